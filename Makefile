@@ -62,7 +62,7 @@ ATTACK := $(addprefix tests/, \
   unit/service/exchange/robots/test_known_limits.py thorough/system/studies/test_lost_signals.py \
   unit/service/sessions/ballbar/lengths/test_signals_outrank_words.py \
   integration/web/measurement/acts/test_bar_left_attached.py unit/service/cli/test_model_acceptance.py \
-  integration/web/leaving/test_hand_downs.py integration/exchange/test_cell_file.py \
+  integration/web/replication/test_hand_downs.py integration/exchange/test_cell_file.py \
   integration/web/people/test_guessing.py unit/service/people/test_attempts.py \
   integration/web/people/test_programs.py integration/web/people/test_pins_of_others.py \
   integration/storage/secrecy unit/service/web/test_half_characters.py integration/web/test_any_requests.py \

@@ -7,7 +7,7 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
-from truepose.storage.engine.plain import plain
+from truepose.storage.engine.raw_connection import plain
 from truepose.storage.integrity.hash_chain import GENESIS, linked_hash, stream_of
 from truepose.storage.migrations.append_only import delete_protected
 

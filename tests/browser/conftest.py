@@ -14,8 +14,8 @@ from tests.browser.windows import Windows, without_complaint
 from tests.helpers.machine import CHROMIUM
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.accuracy_tasks import PromiseTask
-from truepose.analysis.workers.tasks import DrawTask
+from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
+from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.app import create_app
 from truepose.settings import Settings
 

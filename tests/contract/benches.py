@@ -29,7 +29,7 @@ from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.leica_emscon.probe import ProbeTracker
-from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
+from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
 from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge

@@ -3,7 +3,7 @@
 from collections import deque
 
 from truepose.analysis.archive import Archive, in_folder
-from truepose.analysis.cluster.tasks import Cluster
+from truepose.analysis.parallel.tasks import Cluster
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes

@@ -20,7 +20,7 @@ _FORKS = multiprocessing.get_context("forkserver")
 _LOADED = [
     "truepose.cli",
     "truepose.app.composition",
-    "truepose.analysis.workers.worker",
+    "truepose.analysis.job_queue.worker",
     "truepose_simulators.__main__",
 ]
 _LINE_BYTES = 1 << 16  # of a stream, by default

@@ -20,7 +20,7 @@ from tests.integration.web.measurement.test_camera_sessions import CameraBench
 from tests.integration.web.measurement.test_camera_sessions import wanted as camera_session
 from tests.integration.web.measurement.test_contact_sessions import FakeWire
 from tests.recorded.transcript import Transcript, printed, told
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.app import create_app
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip

@@ -21,8 +21,8 @@ from tests.helpers.domain.builders import make_campaign, make_points
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.calibration.test_jobs import FakeWorker
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.accuracy_tasks import PromiseTask
-from truepose.analysis.workers.tasks import IdentifyTask, ValidateTask
+from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
+from truepose.analysis.job_queue.tasks import IdentifyTask, ValidateTask
 from truepose.app import create_app
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.settings import Settings

@@ -22,7 +22,7 @@ from truepose.storage.documents import to_document
 from truepose.storage.engine.dialects import Real
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.integrity.verification import verify
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 from truepose.storage.tables import metadata
 
 _ROWS = 6  # of each table

@@ -9,7 +9,7 @@ import numpy as np
 from truepose.effects.causes import Scene
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows
-from truepose.effects.unnamed.kinds import Key, Kind, Moves, Part, Place, Size
+from truepose.effects.unclassified.kinds import Key, Kind, Moves, Part, Place, Size
 
 _DAY_S = 86_400.0
 _WIDTH = np.deg2rad(0.02)  # belief: five times what an operator would notice from morning to noon

@@ -4,10 +4,10 @@ import math
 
 from truepose_drivers import options as option
 from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import read_panel
 from truepose_drivers.abb_rws.protocol import Execution, controller_state
-from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import DriverError, NotInitialisedError

@@ -12,10 +12,10 @@ from typing import Final
 from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, RwsCompanion, login_of
+from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
 from truepose_drivers.abb_rws.protocol import STOPS_WITHIN_S, Order, Panel
-from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import (
     Clock,
     DeviceIdentity,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from truepose_drivers.abb_rws import protocol
-from truepose_drivers.abb_rws.session import RwsSession
+from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.errors import (
     BusyError,

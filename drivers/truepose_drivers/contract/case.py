@@ -15,8 +15,8 @@ import numpy as np
 
 from truepose_drivers.api import DeviceKind
 from truepose_drivers.contract.bench import Bench, Kind, NewBench
-from truepose_drivers.contract.spoiling import Fault, Pieces, whole
 from truepose_drivers.contract.wire import Wiring
+from truepose_drivers.contract.wire_faults import Fault, Pieces, whole
 from truepose_drivers.errors import DriverError, DriverFaultError, NotInitialisedError
 from truepose_drivers.guard import guarded
 

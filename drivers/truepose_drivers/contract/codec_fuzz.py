@@ -15,7 +15,7 @@ import numpy as np
 
 from truepose_drivers.contract.bench import Bench, NewBench
 from truepose_drivers.contract.case import SimulatedTimeLoop, Trial, broken
-from truepose_drivers.contract.spoiling import GENERAL, whole
+from truepose_drivers.contract.wire_faults import GENERAL, whole
 from truepose_drivers.errors import DriverError
 
 _READINGS: Final = 4  # of the good session

@@ -15,7 +15,7 @@ from typing import Final
 
 from truepose_drivers.contract.bench import NewBench
 from truepose_drivers.contract.case import SimulatedTimeLoop, Trial, broken
-from truepose_drivers.contract.spoiling import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
+from truepose_drivers.contract.wire_faults import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
 from truepose_drivers.errors import DriverError, DriverFaultError
 
 QUICK_INPUTS: Final = 20_000

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from truepose_drivers.contract import spoiling
+from truepose_drivers.contract import wire_faults
 from truepose_drivers.contract.bench import NewBench
 from truepose_drivers.contract.case import ContractBrokenError, SimulatedTimeLoop, Trial, broken, now_s
-from truepose_drivers.contract.spoiling import Fault
+from truepose_drivers.contract.wire_faults import Fault
 from truepose_drivers.errors import DriverError
 
 FAULTS_EACH: Final = 500
@@ -23,13 +23,13 @@ _LONGEST_AWAY_S: Final = 10.0
 _MOST_EXAMPLES: Final = 10
 _GIVE_UP_S: Final = 120.0
 _BY_ANSWER: Final[dict[str, Fault]] = {
-    "cut": spoiling.cut,
-    "stalled": spoiling.half_late,
-    "split": spoiling.split,
-    "merged": spoiling.merge,
-    "doubled": spoiling.repeat,
-    "replayed": spoiling.replay,
-    "garbled": spoiling.garbage,
+    "cut": wire_faults.cut,
+    "stalled": wire_faults.half_late,
+    "split": wire_faults.split,
+    "merged": wire_faults.merge,
+    "doubled": wire_faults.repeat,
+    "replayed": wire_faults.replay,
+    "garbled": wire_faults.garbage,
 }
 _OF_LINE: Final = ("half_open", "hung_up", "unplugged")
 

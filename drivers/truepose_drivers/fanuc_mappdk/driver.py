@@ -39,7 +39,7 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.fanuc_mappdk import protocol
-from truepose_drivers.fanuc_mappdk.dialogue import Dialogue
+from truepose_drivers.fanuc_mappdk.conversation import Dialogue
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, open_patiently
 from truepose_drivers.transports.tcp import TcpLink, tcp_link

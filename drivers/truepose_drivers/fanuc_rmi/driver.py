@@ -37,8 +37,8 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.fanuc_rmi import protocol
-from truepose_drivers.fanuc_rmi.pieces import LONGEST_PIECE_S, PieceMaker
-from truepose_drivers.fanuc_rmi.session import Exchanges, Handover
+from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
+from truepose_drivers.fanuc_rmi.motion_segments import LONGEST_PIECE_S, PieceMaker
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, OnePortDevice
 from truepose_drivers.transports.tcp import TcpLink

@@ -6,7 +6,7 @@ from typing import Final
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.keyence_gt2 import protocol
-from truepose_drivers.line_gauges.dialogue import (
+from truepose_drivers.line_gauges.conversation import (
     SERIAL_OPTIONS,
     SHARED_OPTIONS,
     Ask,

@@ -12,7 +12,7 @@ from typing import Final
 
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NoReplyError
 from truepose_drivers.leica_emscon import protocol
-from truepose_drivers.leica_emscon.refusals import Purpose, command_name, concerns_connection, error_for
+from truepose_drivers.leica_emscon.error_codes import Purpose, command_name, concerns_connection, error_for
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 

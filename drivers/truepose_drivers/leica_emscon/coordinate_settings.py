@@ -8,8 +8,8 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 
 from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError
+from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
 from truepose_drivers.leica_emscon.protocol import Command, Record, SystemStatusChange, settings
-from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 
 Ask = Callable[[Command], Awaitable[Record]]
 

@@ -9,11 +9,11 @@ from truepose_drivers.api import Clock, DriverPlugin, Environment, Options, Trac
 from truepose_drivers.errors import ConfigurationError, DeviceRefusedError, RemoteProtocolError
 from truepose_drivers.leica_emscon.conversation import Subject
 from truepose_drivers.leica_emscon.coordinate_settings import COMPENSATION, TELLING_CHANGES, Setting, mode
+from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
 from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts
 from truepose_drivers.leica_emscon.protocol import DEFAULT_PORT, Command, PacketType, Record, Request
 from truepose_drivers.leica_emscon.protocol.equipment import TargetType, TrackerFace
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, StatisticMode
-from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link

@@ -27,10 +27,10 @@ from truepose_drivers.leica_emscon.coordinate_settings import (
     CoordinateSettings,
     Setting,
 )
+from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
 from truepose_drivers.leica_emscon.protocol import EXCHANGES, Command, Record, Request, Value
 from truepose_drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerProcessorStatus
 from truepose_drivers.leica_emscon.protocol.settings import SystemParameter, WeatherMonitorStatus
-from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 
 _MANUFACTURER = "Leica Geosystems"

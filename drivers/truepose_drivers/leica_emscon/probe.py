@@ -18,10 +18,10 @@ from truepose_drivers.errors import (
 from truepose_drivers.leica_emscon import protocol
 from truepose_drivers.leica_emscon.conversation import Subject
 from truepose_drivers.leica_emscon.coordinate_settings import COMPENSATION, Setting, mode
+from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
 from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts
 from truepose_drivers.leica_emscon.protocol.equipment import MeasurementTipStatus, ProbeType
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, SystemParameter
-from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.line_gauges.dialogue import (
+from truepose_drivers.line_gauges.conversation import (
     SERIAL_OPTIONS,
     SHARED_OPTIONS,
     Ask,

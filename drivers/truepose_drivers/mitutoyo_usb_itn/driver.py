@@ -5,7 +5,7 @@ import math
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
-from truepose_drivers.line_gauges.dialogue import decimals as decimals_option
+from truepose_drivers.line_gauges.conversation import decimals as decimals_option
 from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock

@@ -20,8 +20,8 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.ndi_polaris import protocol
+from truepose_drivers.ndi_polaris.error_codes import CommandUnknownError, refusal, started_again
 from truepose_drivers.ndi_polaris.mean import mean_pose
-from truepose_drivers.ndi_polaris.refusals import CommandUnknownError, refusal, started_again
 from truepose_drivers.ndi_polaris.serial_line import FIRST_BAUD, CameraLine
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction

@@ -24,8 +24,8 @@ from truepose.analysis.archive_outcomes import (
     analyse,
     change,
 )
-from truepose.analysis.cluster.arithmetic import program
-from truepose.analysis.cluster.tasks import Cluster, Part, PartFailure
+from truepose.analysis.parallel.arithmetic import program
+from truepose.analysis.parallel.tasks import Cluster, Part, PartFailure
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.document import read_bytes

@@ -60,7 +60,7 @@ def analyse(asked: ToAnalyse, _seed: np.random.SeedSequence) -> str:
     The text is made where the result is, as making it takes longer than sending it. Curves and single errors
     are left out, which are most of a diagnosis and which `diagnose` draws again. Raises TrueposeError.
     """
-    from truepose.analysis.workers.tasks import stored_campaign
+    from truepose.analysis.job_queue.tasks import stored_campaign
     from truepose.diagnosis.diagnose import diagnose
     from truepose.exchange.results.diagnosis import diagnosis_document
     from truepose.exchange.results.identification import identification_document

@@ -24,8 +24,8 @@ from truepose.domain.cell import BallbarKit
 from truepose.domain.identification import Model
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.planning.ballbar.aiming import Lengths
 from truepose.planning.ballbar.length_forecast import SessionForecast
+from truepose.planning.ballbar.length_targets import Lengths
 from truepose.validation.early_connection_check import Accounts, begin, refuted_stops
 
 _STEP: Final = 1e-2  # of a parameter, in its standard uncertainties: a length is straight over so little

@@ -29,9 +29,9 @@ from truepose.domain.identification import Identification, Status
 from truepose.domain.robot import FramePlacement
 from truepose.identification import identify
 from truepose.messages.message import message
-from truepose.planning.ballbar.aiming import aimed_again, coded_or_kept
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, base_fixture
 from truepose.planning.ballbar.length_forecast import known_beforehand
+from truepose.planning.ballbar.length_targets import aimed_again, coded_or_kept
 from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
 from truepose.planning.ballbar.sphere import plan_sphere
 from truepose.storage.records import SessionSetup

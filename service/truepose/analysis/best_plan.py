@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from truepose.analysis.cluster.tasks import Cluster, Part
+from truepose.analysis.parallel.tasks import Cluster, Part
 from truepose.messages.message import Text
 from truepose.planning.prediction.plan import PromisedPlan
 

@@ -9,10 +9,10 @@ from dataclasses import replace
 from typing import Any, Final, ParamSpec, TypeVar
 
 from truepose.analysis.errors import NotReadyError
+from truepose.analysis.job_queue.file_tasks import BroughtCampaign, BroughtRead, ReadBroughtTask
+from truepose.analysis.job_queue.supervisor import TaskRefusedError, Turns
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.analysis.jobs import JobService
-from truepose.analysis.workers.file_tasks import BroughtCampaign, BroughtRead, ReadBroughtTask
-from truepose.analysis.workers.process import TaskRefusedError, Turns
-from truepose.analysis.workers.uploads import Uploads
 from truepose.domain.campaign import Values
 from truepose.exchange.import_wizard.dialogue import Fault, Understood, choices_of, merged
 from truepose.exchange.import_wizard.files import example_files

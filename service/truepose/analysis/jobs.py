@@ -6,10 +6,10 @@ from datetime import date
 from typing import Any, Final
 
 from truepose.analysis.errors import BusyError, NothingMeasuredError
-from truepose.analysis.workers.file_tasks import CorrectFileTask, FileCorrected, TargetsFile
-from truepose.analysis.workers.process import Perform, perform_in_worker
-from truepose.analysis.workers.queue import JobForecast, JobQueue, Work
-from truepose.analysis.workers.tasks import (
+from truepose.analysis.job_queue.file_tasks import CorrectFileTask, FileCorrected, TargetsFile
+from truepose.analysis.job_queue.queue import JobForecast, JobQueue, Work
+from truepose.analysis.job_queue.supervisor import Perform, perform_in_worker
+from truepose.analysis.job_queue.tasks import (
     BallbarPlanTask,
     ContactPlanTask,
     DiagnoseTask,

@@ -4,10 +4,10 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
-from truepose.analysis.campaigns.assembly import MeasuredSession
-from truepose.analysis.workers.accuracy_tasks import PromiseTask
-from truepose.analysis.workers.process import Perform, Turns
-from truepose.analysis.workers.tasks import DrawTask
+from truepose.analysis.campaigns.tracker import MeasuredSession
+from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
+from truepose.analysis.job_queue.supervisor import Perform, Turns
+from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.domain.cell import Cell
 from truepose.storage.caches import Drawn, DrawnFolder, drawn_of
 from truepose.version import program_sha256

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign
+from truepose.analysis.campaigns.tracker import MeasuredSession, assemble_campaign
 from truepose.domain.campaign import sites
 from truepose.domain.cell import Cell
 from truepose.identification import identify
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.planning.prediction.subjects import Subject, of_campaign, of_cell
+from truepose.planning.prediction.robots_and_cells import Subject, of_campaign, of_cell
 from truepose.planning.prediction.tracker import Measured, promised_session
 
 

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from truepose.analysis.cluster.tasks import Cluster, Part
-from truepose.analysis.workers.tasks import stored_campaign
+from truepose.analysis.job_queue.tasks import stored_campaign
+from truepose.analysis.parallel.tasks import Cluster, Part
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.identification.resampling import Resampling, Spread, Way

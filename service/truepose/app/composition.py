@@ -12,10 +12,10 @@ from typing import Final, cast
 
 from truepose.analysis.campaigns.records import CampaignDesk
 from truepose.analysis.drafts import DraftService
+from truepose.analysis.job_queue.supervisor import Perform, perform_in_worker
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.analysis.jobs import JobService
 from truepose.analysis.page_services import AccuracyService, RenderCache, Renderer
-from truepose.analysis.workers.process import Perform, perform_in_worker
-from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError
 from truepose.app.server import ServiceDefinition, run
 from truepose.app.simulation import Simulation, running_simulation
@@ -50,12 +50,13 @@ from truepose.storage.caches import DrawnFolder
 from truepose.storage.contents import require_of_cell
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
-from truepose.storage.integrity.guard import Guard
+from truepose.storage.integrity.monitor import Guard
 from truepose.storage.ledger.additions import AddedStopsRepository, ClosingRepository
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.series import SeriesRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.ledger.tracker_readings import ReadingRepository
+from truepose.storage.record_insertion import EventRepository
 from truepose.storage.results.campaigns import CampaignRepository
 from truepose.storage.results.corrections import CorrectionRepository
 from truepose.storage.results.diagnoses import DiagnosisRepository
@@ -63,7 +64,6 @@ from truepose.storage.results.jobs import JobRepository
 from truepose.storage.results.lineage import Lineages, WorkList
 from truepose.storage.results.models import ResultRepository
 from truepose.storage.results.reports import ReportRepository
-from truepose.storage.rows import EventRepository
 from truepose.web.application import create_application
 from truepose.web.asgi import Application
 from truepose.web.context import Context, Endpoint

@@ -6,18 +6,18 @@ from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
 
 from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.job_queue.supervisor import perform_in_worker
 from truepose.analysis.page_services import RenderCache, Renderer
-from truepose.analysis.workers.process import perform_in_worker
 from truepose.app.server import ServiceDefinition, run
 from truepose.app.startup import beside, copies_of, opened_database, people_of, program_version
 from truepose.exchange.cells.plant import read_plant_file
+from truepose.plant.calibration_due import DueAfter
 from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector, Pace, Shelves, collecting
-from truepose.plant.due import DueAfter
 from truepose.settings import PlantSettings
 from truepose.storage.caches import Comparisons, DrawnFolder
 from truepose.storage.contents import require_of_plant
-from truepose.storage.integrity.guard import Guard
+from truepose.storage.integrity.monitor import Guard
 from truepose.storage.plant.cells import VisitRepository
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.deployments import HandDownRepository

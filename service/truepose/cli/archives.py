@@ -86,7 +86,7 @@ def _computed(
     where: str | None,
 ) -> "Anew":
     from truepose.analysis.archive import Archive
-    from truepose.analysis.cluster.workers import workers
+    from truepose.analysis.parallel.local_pool import workers
     from truepose.effects.registry import chosen_effects
 
     chosen_effects(effects or ())
@@ -242,7 +242,7 @@ def resample_command(
 
     Example: truepose resample my-campaign --by noise --draws 2000 --workers dask://10.0.0.5:8786
     """
-    from truepose.analysis.cluster.workers import workers as chosen
+    from truepose.analysis.parallel.local_pool import workers as chosen
     from truepose.analysis.resampling import TOGETHER, resampled
 
     names = effect_names(effects)

@@ -113,8 +113,8 @@ def _compared(
     of_type: str | None,
     where: str | None,
 ) -> "FleetFound":
-    from truepose.analysis.cluster.workers import workers
     from truepose.analysis.fleets.comparison import FleetArchive
+    from truepose.analysis.parallel.local_pool import workers
     from truepose.exchange.tables.files import read_visits
 
     work = FleetArchive(campaigns, None if table is None else read_visits(table), out)
@@ -148,7 +148,7 @@ def _write_check(
 
 
 def _last_of(robot: str, found: "FleetFound", campaigns: "Sequence[ArchivedCampaign]") -> "Campaign":
-    from truepose.analysis.workers.tasks import stored_campaign
+    from truepose.analysis.job_queue.tasks import stored_campaign
 
     name = found.last_campaign_of(robot)
     return stored_campaign(next(one for one in campaigns if one.name == name).load())

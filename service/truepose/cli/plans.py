@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from truepose.analysis.best_plan import MakePlan
     from truepose.domain.cell import KeepOuts
     from truepose.domain.robot import Nest, Robot
-    from truepose.planning.contacts.loop_stands import LoopWish
+    from truepose.planning.contacts.loop_configurations import LoopWish
     from truepose.planning.prediction.plan import PromisedPlan, WorkVolume
-    from truepose.planning.prediction.subjects import Subject
+    from truepose.planning.prediction.robots_and_cells import Subject
 
 _USUAL_READING_MM = 0.001  # of a touch probe or a linear gauge
 
@@ -116,7 +116,7 @@ class _Tries:
         if self.count == 1:
             return planned(n=n, seed=self.seed)
         from truepose.analysis.best_plan import best_plan
-        from truepose.analysis.cluster.workers import workers
+        from truepose.analysis.parallel.local_pool import workers
 
         with workers(self.where, self.count) as cluster, shown_progress() as told:
             plan, seed = best_plan(cluster, planned, n, self.seed, self.count, told)
@@ -212,7 +212,7 @@ def _for_tracker(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPla
 
 def _subject(asked: _PlanRequest, discrepancy_mm: float | None) -> "Subject":
     from truepose.exchange.cells.file import cell_given
-    from truepose.planning.prediction.subjects import of_cell
+    from truepose.planning.prediction.robots_and_cells import of_cell
 
     subject = _of_campaign(asked) if asked.is_campaign else of_cell(cell_given(asked.subject))
     subject = subject.keeping_out(asked.keep_outs())
@@ -223,7 +223,7 @@ def _subject(asked: _PlanRequest, discrepancy_mm: float | None) -> "Subject":
 
 def _of_campaign(asked: _PlanRequest) -> "Subject":
     from truepose.identification import identify
-    from truepose.planning.prediction.subjects import of_campaign
+    from truepose.planning.prediction.robots_and_cells import of_campaign
 
     campaign = read_measured(Path(asked.subject))
     answer = identify(campaign)
@@ -237,7 +237,7 @@ def _for_ballbar(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPla
     from truepose.exchange.cells.file import cell_given
     from truepose.planning.prediction.ballbar import promised_ballbar_session, session_plan
     from truepose.planning.prediction.errors import Discrepancy
-    from truepose.planning.prediction.subjects import expected_discrepancy
+    from truepose.planning.prediction.robots_and_cells import expected_discrepancy
     from truepose.sessions.ballbar.dry_run import dry_run
 
     if asked.is_campaign:
@@ -279,7 +279,7 @@ def _for_loop(asked: _PlanRequest, loop: _Loop, discrepancy_mm: float | None) ->
 def _wish(loop: _Loop, nests: "tuple[Nest, ...]", reading_mm: float | None) -> "LoopWish":
     from truepose.exchange.document import read_bytes
     from truepose.exchange.tables.contacts import read_distance_table, read_target_table
-    from truepose.planning.contacts.loop_stands import LoopWish
+    from truepose.planning.contacts.loop_configurations import LoopWish
 
     targets, _ = read_target_table(loop.targets.name, read_bytes(loop.targets))
     distances = None

@@ -267,7 +267,7 @@ def plant_command(
 
     Example: truepose plant --cells cells.toml --database sqlite:///plant.db --port 8100
     """
-    from truepose.analysis.cluster.addresses import named
+    from truepose.analysis.parallel.addresses import named
     from truepose.app.plants import serve_plant
     from truepose.settings import PlantSettings, Settings
 

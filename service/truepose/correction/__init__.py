@@ -1,7 +1,5 @@
 """Corrected joint targets: the identified model turned round, so that the real tool arrives."""
 
-from truepose.correction.answers import ANY_BRANCH, Corrections, Status, Summary, joined
-from truepose.correction.goals import FLANGE, Goals, of_poses
 from truepose.correction.joint_targets import (
     correct,
     flange_in_base,
@@ -10,7 +8,9 @@ from truepose.correction.joint_targets import (
     shifted_by,
     tool_nests_mm,
 )
-from truepose.correction.mistakes import OTHER_READINGS, likely_mistake
+from truepose.correction.results import ANY_BRANCH, Corrections, Status, Summary, joined
+from truepose.correction.target_plausibility import OTHER_READINGS, likely_mistake
+from truepose.correction.target_poses import FLANGE, Goals, of_poses
 
 __all__ = [
     "ANY_BRANCH",

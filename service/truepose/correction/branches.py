@@ -13,8 +13,8 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.correction.goals import Goals, beyond, turned_within
 from truepose.correction.inverse import SearchEnd, attain, merged, replaced
+from truepose.correction.target_poses import Goals, beyond, turned_within
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRange

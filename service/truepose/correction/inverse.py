@@ -30,7 +30,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from truepose.correction.goals import Goals
+from truepose.correction.target_poses import Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Load, State, Targets, evaluate_once

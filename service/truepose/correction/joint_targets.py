@@ -10,10 +10,10 @@ from typing import Final
 
 import numpy as np
 
-from truepose.correction.answers import ANY_BRANCH, Corrections, joined, judged
 from truepose.correction.branches import NominalArm, Ranges, attain_any_branch, attain_branch
-from truepose.correction.goals import FAR_RAD, FLANGE, Goals
 from truepose.correction.inverse import SearchEnd, attain, merged, replaced
+from truepose.correction.results import ANY_BRANCH, Corrections, joined, judged
+from truepose.correction.target_poses import FAR_RAD, FLANGE, Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops, told_moves
 from truepose.domain.identification import Model

@@ -17,8 +17,8 @@ from typing import Final
 
 import numpy as np
 
-from truepose.correction.goals import Goals
 from truepose.correction.joint_targets import correct
+from truepose.correction.target_poses import Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError

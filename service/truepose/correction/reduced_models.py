@@ -22,8 +22,8 @@ from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.identification import Model, NestCentre
 from truepose.domain.robot import FramePlacement, JointRange, Nest
-from truepose.effects.placing.base_frame import NAME as BASE
-from truepose.effects.placing.tool_nests import NAME as TOOL
+from truepose.effects.frames.base_frame import NAME as BASE
+from truepose.effects.frames.tool_nests import NAME as TOOL
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import RobustFit, fit

@@ -20,7 +20,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.cell import Camera, Cell
 from truepose.kinematics.frames import quaternion_from_rotation, rigid_alignment
-from truepose.sessions.tracker.poses import stated_place
+from truepose.sessions.tracker.camera_measurement import stated_place
 
 _LONGEST_LINE_BYTES: Final = 1 << 26  # an answer holds thousands of positions
 _ANSWER_S: Final = 60.0

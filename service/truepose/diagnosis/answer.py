@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.diagnosis.alternatives import RivalComparison, ruled_out, weighed
+from truepose.diagnosis.baseline_fit import NUISANCE, Start, scene_of
 from truepose.diagnosis.confidence import SelectionTests, better_families, parted, standing, with_open_shapes
 from truepose.diagnosis.curves import (
     ValidationFit,
@@ -35,7 +36,6 @@ from truepose.diagnosis.reading_findings import readings_found
 from truepose.diagnosis.screening.refinement import with_known_orders
 from truepose.diagnosis.screening.selection import Choice, Propose, Selection, names_of, refitted
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
-from truepose.diagnosis.start import NUISANCE, Start, scene_of
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import (
     Cause,
@@ -49,7 +49,7 @@ from truepose.domain.diagnosis import (
 )
 from truepose.domain.identification import Model
 from truepose.effects.causes import Candidate, Description, Scene
-from truepose.effects.placing.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.frames.tool_certificate import NAME as CERTIFICATE
 from truepose.effects.signatures import of_instrument, signature_of
 from truepose.identification.fit.assessment import considered
 from truepose.identification.fit.inadequacy import shortfall, typical_mm

@@ -30,6 +30,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from truepose.diagnosis.baseline_fit import Start, scene_of
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, Improvement
 from truepose.diagnosis.evidence.residual_structure import (
     Prepared,
@@ -51,7 +52,6 @@ from truepose.diagnosis.screening.selection import (
     reselected,
 )
 from truepose.diagnosis.screening.significance import chance_beside
-from truepose.diagnosis.start import Start, scene_of
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Finding, Gain
 from truepose.effects.causes import Candidate

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.screening.candidates import Pool
 from truepose.diagnosis.screening.normal_equations import products_of
 from truepose.diagnosis.screening.selection import Selection, names_of
-from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Cause

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from truepose.diagnosis.baseline_fit import Start, scene_at
 from truepose.diagnosis.cause_curves import (
     DRAWN,
     N_MM_PER_N_M,
@@ -33,10 +34,9 @@ from truepose.diagnosis.evidence.sensitivities import (
     values_of,
 )
 from truepose.diagnosis.screening.selection import Selection, names_of
-from truepose.diagnosis.start import Start, scene_at
 from truepose.domain.arrays import FloatArray
-from truepose.domain.definite import solved
 from truepose.domain.diagnosis import Curve, CurvePoints, Spectrum
+from truepose.domain.singular_covariance import solved
 from truepose.effects.causes import Candidate, Fitted, Scene
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with

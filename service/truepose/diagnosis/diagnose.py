@@ -9,17 +9,17 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from truepose.diagnosis.answer import answered, unanswerable
+from truepose.diagnosis.baseline_fit import Start, scene_of, stands, started
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.refinement import with_exact_moments, with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
-from truepose.diagnosis.start import Start, scene_of, stands, started
 from truepose.domain.campaign import Campaign, with_last_moves
 from truepose.domain.diagnosis import Diagnosis
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.verdict.outliers import within_reach
+from truepose.identification.verdict.outlier_reasons import within_reach
 from truepose.messages.message import Text, message, together
 
 Progress = Callable[[float, Text], None]

@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.configurations import (
     CONVINCING,
     Places,
@@ -30,7 +31,6 @@ from truepose.diagnosis.configurations import (
 from truepose.diagnosis.evidence.residual_structure import Relation, Remainder
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.diagnosis.sentences import spoken
-from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Finding, NextMeasurement
 from truepose.effects.causes import Candidate

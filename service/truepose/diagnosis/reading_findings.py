@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of
 from truepose.diagnosis.evidence.residual_structure import Remainder
 from truepose.diagnosis.reading_faults import gathered
 from truepose.diagnosis.screening.selection import Selection
-from truepose.diagnosis.start import Start
 from truepose.domain.arrays import BoolArray
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
 from truepose.effects.causes import Candidate, Description, Fitted

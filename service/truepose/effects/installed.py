@@ -27,7 +27,7 @@ from truepose.effects.ports import (
     Term,
     Trait,
 )
-from truepose.effects.unnamed.kinds import Kind
+from truepose.effects.unclassified.kinds import Kind
 from truepose.messages.message import Text
 
 GROUP = "truepose.causes"

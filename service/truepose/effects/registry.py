@@ -22,11 +22,11 @@ from truepose.effects.arm.link_bending import LinkBending
 from truepose.effects.arm.link_mass import LinkMasses
 from truepose.effects.arm.thermal_growth import ThermalGrowth
 from truepose.effects.causes import Cause
+from truepose.effects.frames.base_frame import Base
+from truepose.effects.frames.fixed_nests import Reference
+from truepose.effects.frames.tool_certificate import ToolCertificate
+from truepose.effects.frames.tool_nests import Tool
 from truepose.effects.installed import INSTALLED
-from truepose.effects.placing.base_frame import Base
-from truepose.effects.placing.fixed_nests import Reference
-from truepose.effects.placing.tool_certificate import ToolCertificate
-from truepose.effects.placing.tool_nests import Tool
 from truepose.effects.ports import (
     Automatic,
     Compliant,
@@ -52,7 +52,7 @@ from truepose.effects.setup.instrument_scale import InstrumentScale
 from truepose.effects.setup.nest_offset import NestOffset
 from truepose.effects.setup.payload import Payload
 from truepose.effects.setup.tool_reseating import ToolReseating
-from truepose.effects.unnamed.cause import OWN, Unnamed
+from truepose.effects.unclassified.cause import OWN, Unnamed
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),

@@ -21,12 +21,12 @@ from truepose.domain.correction import CorrectionTotals, LeftAlone
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.correction_request import CorrectionRequest
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
 from truepose.exchange.programs.program import Meant, Program
+from truepose.exchange.programs.program_correction import corrected_program
 from truepose.exchange.robots.named import with_known_limits
-from truepose.exchange.tables.table import TableData
+from truepose.exchange.tables.table_reader import TableData
 from truepose.exchange.tables.targets import CorrectionWriter, Targets, targets_of
 from truepose.messages.message import Message, message
 from truepose.validation.cautions import prediction_cautions

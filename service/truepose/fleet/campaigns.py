@@ -27,9 +27,9 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Campaign
-from truepose.domain.definite import inverse
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Robot
+from truepose.domain.singular_covariance import inverse
 from truepose.effects.ports import ParameterSpec, Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.effects.waves import wave_specs

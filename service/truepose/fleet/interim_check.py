@@ -48,7 +48,7 @@ from truepose.fleet.minimum_detectable_change import noncentrality
 from truepose.fleet.predicted_accuracy import of_robot_now
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.knowledge import LEAST_MM, ArmKnowledge, Knowns
+from truepose.planning.prediction.expected_covariance import LEAST_MM, ArmKnowledge, Knowns
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
 from truepose.planning.workspace.space import WorkSpace
 

@@ -45,7 +45,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.definite import whitening_root
+from truepose.domain.singular_covariance import whitening_root
 from truepose.fleet.campaigns import Fleet
 
 

@@ -33,7 +33,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import JointPrior, automatic_effects, build, with_belief
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import Discrepancy, mean_norms, spread
-from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns, ReadingInformation
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns, ReadingInformation
 from truepose.planning.prediction.plan import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import WorkSpace

@@ -13,6 +13,7 @@ from truepose.domain.campaign import Campaign, sites
 from truepose.domain.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.missing_input_uncertainty import spanned
 from truepose.identification.model.structure import (
     LEG_OFFSET,
     TARGET_OWNER,
@@ -20,7 +21,6 @@ from truepose.identification.model.structure import (
     anchor_name,
     base_axes,
 )
-from truepose.identification.model.unknown_conditions import spanned
 from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.frames import angles_xyz, placement_of
 

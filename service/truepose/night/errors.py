@@ -5,10 +5,10 @@ NightError
 └── UnreadableHistoryError  the file of earlier nights is none
 """
 
-from truepose.domain.errors import TrueposeError
+from truepose.demo.errors import DemoError
 
 
-class NightError(TrueposeError):
+class NightError(DemoError):
     """Base of every error of the night run."""
 
 

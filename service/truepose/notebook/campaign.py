@@ -12,7 +12,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from_arrays, write_campaign
 from truepose.exchange.campaigns.zip_file import read_campaign_at
-from truepose.exchange.tables.table import Arrays
+from truepose.exchange.tables.table_reader import Arrays
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import frame_of_text

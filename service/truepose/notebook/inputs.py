@@ -15,7 +15,7 @@ from truepose.exchange.document import read_bytes
 from truepose.exchange.errors import BadValueError
 from truepose.exchange.robots.named import campaign_keys, named_robot, without_masses
 from truepose.exchange.tables.points import POSITION
-from truepose.exchange.tables.table import Arrays, TableData
+from truepose.exchange.tables.table_reader import Arrays, TableData
 from truepose.messages.message import Text
 
 T = TypeVar("T")

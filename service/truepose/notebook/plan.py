@@ -18,7 +18,7 @@ from truepose.notebook.display import counted, frame
 from truepose.notebook.inputs import path_of
 from truepose.planning.prediction.errors import CurvePoint
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.robots_and_cells import of_cell
 from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.tracker.plans import plan_session
 from truepose.planning.workspace.space import space_to_measure

@@ -12,8 +12,8 @@ from typing import Final
 
 from truepose.exchange.cells.plant import PlantCell
 from truepose.plant.cell_client import CellClient, CellHead, clock_seen
+from truepose.plant.chain_verification import verified
 from truepose.plant.errors import CellAnswerError, CellSilentError
-from truepose.plant.verification import verified
 from truepose.storage.errors import (
     AnotherChainError,
     CollectedMeanwhileError,

@@ -13,7 +13,7 @@ from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.robot import JointRange
 from truepose.messages.message import Message, message
-from truepose.sessions.engine.identity import same_number
+from truepose.sessions.engine.identity_check import same_number
 from truepose.sessions.engine.interlocks import common_ranges, slowest
 from truepose.sessions.engine.prompts import require_announced
 from truepose.sessions.errors import CellChangedError, PlanRefusedError

@@ -10,7 +10,7 @@ from truepose.domain.session import IdentityOf, IdentityTaken, SessionState
 from truepose.messages.message import Message, message, together
 from truepose.sessions.cell import PresentCell
 from truepose.sessions.devices import Rack
-from truepose.sessions.engine.identity import same_number
+from truepose.sessions.engine.identity_check import same_number
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.errors import CertificateError
 from truepose.storage.errors import ConflictError

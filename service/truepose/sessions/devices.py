@@ -8,7 +8,7 @@ from typing import cast
 from truepose.domain.cell import DeviceEntry
 from truepose.domain.session import IdentityOf
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity import same_number, told
+from truepose.sessions.engine.identity_check import same_number, told
 from truepose.sessions.engine.interlocks import motion_notice
 from truepose.sessions.engine.ledger import Expected
 from truepose.sessions.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError

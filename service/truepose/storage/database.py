@@ -33,7 +33,7 @@ from truepose.storage.engine.group_commit import (
     alone,
     run,
 )
-from truepose.storage.engine.plain import plain
+from truepose.storage.engine.raw_connection import plain
 from truepose.storage.engine.reading import require_library
 from truepose.storage.engine.sqlite import SQLiteFile
 from truepose.storage.errors import (

@@ -12,9 +12,9 @@ from sqlalchemy import Connection, Row, Select, func, or_, select
 
 from truepose.domain.people import Person, Role
 from truepose.storage.database import Database
-from truepose.storage.engine.plain import plain
+from truepose.storage.engine.raw_connection import plain
+from truepose.storage.record_insertion import add_row, add_rows
 from truepose.storage.records import Page
-from truepose.storage.rows import add_row, add_rows
 from truepose.storage.secret_files import take_out_pins
 from truepose.storage.tables import acts, credentials, people, person_states, revocations
 

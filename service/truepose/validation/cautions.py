@@ -8,7 +8,7 @@ from typing import Final
 
 from truepose.domain.campaign import Readings, Stops
 from truepose.domain.identification import Model
-from truepose.effects.placing.base_frame import NAME as BASE
+from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.identification import unpredictable, unpredictable_readings
 from truepose.messages.message import Message, Text, message, together
 from truepose.validation.iso9283.pose_test import PoseTest

@@ -24,12 +24,12 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Readings, Stops
-from truepose.domain.definite import solved
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model, Parameter, Statistics, Unit
 from truepose.domain.robot import FramePlacement, JointRange
+from truepose.domain.singular_covariance import solved
+from truepose.effects.frames.base_frame import WIDTH_MM, WIDTH_RAD
 from truepose.effects.names import nest_name
-from truepose.effects.placing.base_frame import WIDTH_MM, WIDTH_RAD
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification import judge, predict

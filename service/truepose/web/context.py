@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from truepose.storage.ledger.series import SeriesRepository
     from truepose.storage.ledger.sessions import SessionRepository
     from truepose.storage.ledger.tracker_readings import ReadingRepository
+    from truepose.storage.record_insertion import EventRepository
     from truepose.storage.results.campaigns import CampaignRepository
     from truepose.storage.results.corrections import CorrectionRepository
     from truepose.storage.results.diagnoses import DiagnosisRepository
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from truepose.storage.results.lineage import Lineages, WorkList
     from truepose.storage.results.models import ResultRepository
     from truepose.storage.results.reports import ReportRepository
-    from truepose.storage.rows import EventRepository
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.physics.arm import Arm, CarriedMass
 from truepose_simulators.physics.effects import Effect, PlantedChange, Site
 from truepose_simulators.physics.identified import IdentifiedModel, IdentifiedRobot
-from truepose_simulators.physics.plant import Plant, draw_compliances, draw_motions
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.physics.table_arm import vector
+from truepose_simulators.physics.true_robot import Plant, draw_compliances, draw_motions
 from truepose_simulators.scenarios.scenario import ArmSetup, Scenario, ToolSetup
 
 _SEEN_FROM_EVERYWHERE_DEG = 180.0

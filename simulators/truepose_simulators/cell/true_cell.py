@@ -26,8 +26,8 @@ from truepose_simulators.instruments.tracker import (
 from truepose_simulators.physics.effects import Conditions, PlantedChange
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.identified import IdentifiedModel, realise
-from truepose_simulators.physics.plant import Rest, find_rest
 from truepose_simulators.physics.rigid import FloatArray, apply, small_motion
+from truepose_simulators.physics.true_robot import Rest, find_rest
 from truepose_simulators.scenarios.scenario import Scenario
 
 # Enough configurations all over the ranges that an arm which folds under its weight does so in one of them.

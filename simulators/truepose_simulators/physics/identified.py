@@ -13,7 +13,6 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import Effect, ModelArm, realise_effect
 from truepose_simulators.physics.effects.compliance import springs
 from truepose_simulators.physics.effects.effect import COMPONENTS, IdentifiedEffect
-from truepose_simulators.physics.plant import Plant
 from truepose_simulators.physics.rigid import FloatArray, placed, to_six
 from truepose_simulators.physics.table_arm import (
     ArmTable,
@@ -23,6 +22,7 @@ from truepose_simulators.physics.table_arm import (
     link_motion,
     zero_frames,
 )
+from truepose_simulators.physics.true_robot import Plant
 
 
 def placed_base(start: FloatArray, stated: IdentifiedEffect) -> FloatArray:

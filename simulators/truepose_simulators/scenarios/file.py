@@ -20,8 +20,8 @@ from truepose_simulators.instruments.accuracy import BallbarSetup, CameraSetup, 
 from truepose_simulators.instruments.gauges.loop import LoopSetup
 from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.effects import PlantedChange, plant_effect
-from truepose_simulators.physics.plant import PlantSizes
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.true_robot import PlantSizes
 from truepose_simulators.scenarios.scenario import (
     ArmSetup,
     ConfiguredLink,

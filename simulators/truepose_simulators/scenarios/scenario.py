@@ -12,7 +12,7 @@ from truepose_simulators.instruments.accuracy import BallbarSetup, CameraSetup, 
 from truepose_simulators.instruments.gauges.loop import LoopSetup
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.plant import PlantSizes
+from truepose_simulators.physics.true_robot import PlantSizes
 
 _PROTOCOLS = ("open_abb", "rws", "mappdk", "rmi", "ur_rtde", "kuka_variable_proxy")
 _HIGHEST_PORT = 65_535

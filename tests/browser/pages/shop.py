@@ -15,7 +15,7 @@ from tests.integration.web.ballbar_bench import BALLBAR, WANTED
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.contact_bench import WIRE
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.app import create_app
 from truepose.settings import Settings
 

@@ -5,7 +5,7 @@ from truepose_drivers.contract.bench import messages
 from truepose_drivers.keyence_gt2 import protocol as keyence
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
+from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges
 from truepose_drivers.line_gauges.protocol import Value
 from truepose_drivers.mitutoyo_eh import protocol as eh
 from truepose_drivers.mitutoyo_eh.driver import PLUGIN as MITUTOYO_EH

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import nominal_campaign
-from truepose.diagnosis.start import scene_at
+from truepose.diagnosis.baseline_fit import scene_at
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest
 from truepose.identification.model.evaluation import evaluate

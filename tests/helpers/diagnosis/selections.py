@@ -7,10 +7,10 @@ import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.identification.synthetic import NOISE_MM
+from truepose.diagnosis.baseline_fit import Start, scene_of, started
 from truepose.diagnosis.evidence.residual_structure import left_by, prepared_families
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import Selection, chosen, refitted, select
-from truepose.diagnosis.start import Start, scene_of, started
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import Targets, evaluate

@@ -13,9 +13,9 @@ import numpy as np
 
 from tests.helpers.exchange import drawn_languages as languages
 from tests.helpers.exchange.drawn_joints import drawn_joints, erring_model
-from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import read_program
 from truepose.exchange.programs.program import AT_THE_ORIGIN, ProgramOptions
+from truepose.exchange.programs.program_correction import corrected_program
 from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.inverse import branch_of
 

@@ -6,8 +6,8 @@ That a process can be started, bounded, ended and told of is tested in `tests/in
 
 import asyncio
 
-from truepose.analysis.workers.pipe import LENGTH_BYTES, TaskAnswer, packed, unpacked
-from truepose.analysis.workers.process import TaskRefusedError
+from truepose.analysis.job_queue.pipe import LENGTH_BYTES, TaskAnswer, packed, unpacked
+from truepose.analysis.job_queue.supervisor import TaskRefusedError
 from truepose.domain.errors import TrueposeError
 from truepose.messages.error_codes import code_of
 

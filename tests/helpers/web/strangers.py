@@ -10,8 +10,8 @@ from tests.helpers.web.any_requests import Drawing, answer_of
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.calibration.test_jobs import FakeWorker
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.accuracy_tasks import PromiseTask
-from truepose.analysis.workers.tasks import IdentifyTask, ValidateTask
+from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
+from truepose.analysis.job_queue.tasks import IdentifyTask, ValidateTask
 from truepose.app import create_app
 from truepose.domain.errors import TrueposeError
 from truepose.domain.people import OF_PROGRAMS, Role

@@ -6,8 +6,8 @@ import pytest
 from tests.helpers.archive import ThisProcess
 from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.analysis import resampling as home
-from truepose.analysis.cluster.tasks import Cluster
-from truepose.analysis.cluster.workers import Processes
+from truepose.analysis.parallel.local_pool import Processes
+from truepose.analysis.parallel.tasks import Cluster
 from truepose.analysis.resampling import resampled
 
 

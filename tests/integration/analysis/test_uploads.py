@@ -9,16 +9,16 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import BusyError
-from truepose.analysis.workers.process import TaskRefusedError, perform_in_worker
-from truepose.analysis.workers.tasks import CampaignRead
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.supervisor import TaskRefusedError, perform_in_worker
+from truepose.analysis.job_queue.tasks import CampaignRead
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 MB = 2**20
 READ_ONE = """
 import sys
 from pathlib import Path
-from truepose.analysis.workers.tasks import ReadCampaignTask
+from truepose.analysis.job_queue.tasks import ReadCampaignTask
 
 ReadCampaignTask(Path(sys.argv[1]).read_bytes(), "elbow.zip").perform(None)
 print(*{"sqlalchemy", "scipy"} & sys.modules.keys())

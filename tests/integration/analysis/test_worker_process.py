@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from truepose.analysis.errors import WorkerDiedError
-from truepose.analysis.workers.process import TaskRefusedError, perform_in_worker
+from truepose.analysis.job_queue.supervisor import TaskRefusedError, perform_in_worker
 from truepose.domain.errors import ConfigurationError
 
 

@@ -14,14 +14,14 @@ from truepose.domain.session import SessionState
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.cells.file import cell_given
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.contacts.plan_request import ContactWish
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.storage.records import SessionSetup
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
+from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges
 from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock as SimulatedClock
 from truepose_simulators.cell.true_cell import Cell

@@ -20,8 +20,8 @@ from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Signature
 from truepose.effects.installed import GROUP, load_installed
-from truepose.effects.unnamed.cause import KINDS
-from truepose.effects.unnamed.kinds import Kind
+from truepose.effects.unclassified.cause import KINDS
+from truepose.effects.unclassified.kinds import Kind
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.robots.named import load_robot_with_tool
 from truepose.kinematics.chain import nominal_chain
@@ -60,7 +60,7 @@ def test_the_package_brings_a_named_cause_and_a_kind_of_cell(tmp_path):
     folder = installed(tmp_path / "site", _ENTRIES)
     asked = (
         "from truepose.effects.registry import CAUSES, unusable_causes; "
-        "from truepose.effects.unnamed.cause import KINDS; "
+        "from truepose.effects.unclassified.cause import KINDS; "
         "from truepose.effects.signatures import signature_of; "
         "from truepose.effects.causes import Candidate; "
         "print('friction_windup' in CAUSES, 'daily' in KINDS, unusable_causes(), "

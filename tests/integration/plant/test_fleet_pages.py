@@ -14,12 +14,12 @@ from tests.integration.plant.test_plant_pages import lay, page, service
 from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
 from truepose.analysis.archive import in_database
-from truepose.analysis.cluster import workers
-from truepose.analysis.cluster.tasks import Cluster
 from truepose.analysis.errors import ClusterError
 from truepose.analysis.fleets.campaigns import tell
 from truepose.analysis.fleets.service import FleetService
-from truepose.analysis.workers.tasks import stored_campaign
+from truepose.analysis.job_queue.tasks import stored_campaign
+from truepose.analysis.parallel import local_pool
+from truepose.analysis.parallel.tasks import Cluster
 from truepose.exchange.tables.files import Stated
 from truepose.storage.documents import pack
 from truepose.storage.plant.outbox import typed
@@ -87,7 +87,7 @@ def address(request, tmp_path, empty_database):
 
 
 async def test_robots_are_compared_from_what_was_collected(address, served_plant, campaigns, monkeypatch):
-    monkeypatch.setattr(workers, "workers", lambda *_: contextlib.nullcontext(Cluster(ThisProcess())))
+    monkeypatch.setattr(local_pool, "workers", lambda *_: contextlib.nullcontext(Cluster(ThisProcess())))
     async with served_plant(address) as service:
         await collect(service, campaigns)
         await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))
@@ -161,7 +161,7 @@ class Here:
 
 
 async def test_what_came_before_workers_were_lost_is_kept(service, campaigns, monkeypatch):
-    monkeypatch.setattr(workers, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
+    monkeypatch.setattr(local_pool, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
     await collect(service, campaigns)
     database = service.here.database
     desk = FleetService(

@@ -12,7 +12,7 @@ from tests.integration.plant.conftest import Plant, all_collected, restored_from
 from tests.integration.web.bench import session_request
 from truepose.storage.plant.records import Outcome
 from truepose.storage.plant.tables import plant_results
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 PAGES = ("/", "/robots/120-1", "/robots/none", "/instruments/T-7")
 LOOKED_UP = (

@@ -20,7 +20,7 @@ from truepose.storage.plant.tables import (
     plant_robots,
     plant_told,
 )
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 TODAY = datetime.now(UTC).date()
 

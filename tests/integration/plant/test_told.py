@@ -15,11 +15,11 @@ from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.overview import PlantResults
 from truepose.storage.plant.tables import plant_robots, plant_told
+from truepose.storage.record_insertion import add_row
 from truepose.storage.records import CampaignSummary, JobKind
 from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
 from truepose.storage.results.diagnoses import DiagnosisRepository
 from truepose.storage.results.jobs import JobRepository
-from truepose.storage.rows import add_row
 
 DAY = date(2026, 5, 4)
 

@@ -15,8 +15,8 @@ from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.record_insertion import EventRepository
 from truepose.storage.records import ActAnswer, Page, RequestKey
-from truepose.storage.rows import EventRepository
 
 
 @pytest.fixture

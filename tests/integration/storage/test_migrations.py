@@ -23,7 +23,7 @@ from truepose.storage.engine import schema
 from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import NewerSchemaError
 from truepose.storage.integrity.verification import verify_at
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 from truepose.storage.tables import metadata
 
 FOLDER = Path(migrations.__file__).parent

@@ -26,10 +26,10 @@ from truepose.storage.ledger.additions import AddedStopsRepository
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.ledger.tracker_readings import ReadingRepository
+from truepose.storage.record_insertion import EventRepository
 from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
 from truepose.storage.results.jobs import JobRepository
 from truepose.storage.results.models import ResultRepository
-from truepose.storage.rows import EventRepository
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.web.clients import client_of
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
-from truepose.analysis.workers.process import perform_in_worker
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.supervisor import perform_in_worker
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.app import create_app
 from truepose.settings import Settings
 

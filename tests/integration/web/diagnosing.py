@@ -6,7 +6,7 @@ from dataclasses import replace
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.web import clients
 from tests.integration.web.conftest import asking
-from truepose.analysis.workers.tasks import stored_campaign
+from truepose.analysis.job_queue.tasks import stored_campaign
 
 
 class Diagnostician:

@@ -14,7 +14,7 @@ import numpy as np
 
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
-from truepose.analysis.campaigns.assembly import point_readings
+from truepose.analysis.campaigns.tracker import point_readings
 from truepose.app.simulation import running_simulation
 from truepose.correction.proof import Proof, plan_proof, proof_of
 from truepose.demo.errors import ServiceFailedError

@@ -19,7 +19,7 @@ from typing import Final
 from tests.studies.archive.compared import compared
 from tests.studies.archive.killed import killed_in_the_middle
 from tests.studies.archive.recorded import recorded_archive
-from truepose.analysis.cluster.dask_workers import of_this_computer
+from truepose.analysis.parallel.dask_pool import of_this_computer
 
 _SCENARIOS: Final = ("irb120-clean", "irb120-tilted", "irb120-everyday")
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from truepose.analysis.archive import ArchivedCampaign, sha256
 from truepose.analysis.archive_outcomes import Key, ToAnalyse, analyse
-from truepose.analysis.cluster.arithmetic import program
-from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, Places
+from truepose.analysis.parallel.arithmetic import program
+from truepose.analysis.parallel.tasks import Cluster, Part, PartAnswer, Places
 
 _RATIO: Final = 1.8
 _OVERHEAD_MS: Final = 10.0

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from tests.studies.archive.compared import Tell, bits_of, parts_of
 from truepose.analysis.archive import ArchivedCampaign
 from truepose.analysis.archive_outcomes import analyse
-from truepose.analysis.cluster.dask_workers import DaskPlaces, of_this_computer
-from truepose.analysis.cluster.tasks import Cluster, PartAnswer
+from truepose.analysis.parallel.dask_pool import DaskPlaces, of_this_computer
+from truepose.analysis.parallel.tasks import Cluster, PartAnswer
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from tests.studies.camera.setups import RIGID, Setup, true_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model
-from truepose.effects.placing.tool_certificate import NAME as CERTIFICATE
-from truepose.effects.placing.tool_certificate import certificate_specs
+from truepose.effects.frames.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.frames.tool_certificate import certificate_specs
 from truepose.identification import predict
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate

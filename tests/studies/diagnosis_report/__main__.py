@@ -19,7 +19,7 @@ from tests.studies.diagnosis_report.study import Extent, Study
 from tests.studies.diagnosis_report.timing import timing_section
 from tests.studies.diagnosis_report.workers import outcomes_of
 from tests.studies.report_command import add_sections, count, shown, status_of
-from truepose.analysis.cluster.workers import workers
+from truepose.analysis.parallel.local_pool import workers
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.exchange.json_text import render_json
 from truepose.reports.table_report import Section, write_table_report

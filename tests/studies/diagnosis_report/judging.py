@@ -7,7 +7,7 @@ from tests.studies.diagnosis_report.planted.planting import Planted
 from truepose.domain.diagnosis import Cause, Diagnosis, Finding, Verdict
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import signature_of
-from truepose.effects.unnamed.cause import NAME as UNNAMED
+from truepose.effects.unclassified.cause import NAME as UNNAMED
 
 _SAME_ORDER = 0.5  # orders of gears and encoders are whole numbers
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.trials import Trial, run_trials
-from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, in_order
 from truepose.analysis.errors import PartFailedError
+from truepose.analysis.parallel.tasks import Cluster, Part, PartAnswer, in_order
 from truepose.demo.client import Told
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.campaign import Campaign

@@ -29,7 +29,7 @@ from truepose.exchange.results.identification import identification_document
 from truepose.exchange.results.plans import plan_document
 from truepose.exchange.results.validation import validation_document
 from truepose.identification import identify, predict
-from truepose.planning.prediction.subjects import of_campaign
+from truepose.planning.prediction.robots_and_cells import of_campaign
 from truepose.planning.prediction.tracker import promised_session
 from truepose.reports.plans import plan_sentences
 from truepose.validation.cautions import prediction_cautions, validation_cautions

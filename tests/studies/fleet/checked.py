@@ -26,8 +26,8 @@ from truepose.fleet.changes import Account, account_of
 from truepose.fleet.interim_check import LEVEL, InterimCheck, asked_of, grown, quick_check
 from truepose.fleet.predicted_accuracy import of_robot_now
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns
-from truepose.planning.prediction.subjects import APPROACH_RAD
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns
+from truepose.planning.prediction.robots_and_cells import APPROACH_RAD
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock

@@ -21,9 +21,9 @@ from truepose.fleet.predicted_accuracy import (
 )
 from truepose.identification import identify
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.knowledge import Knowns
+from truepose.planning.prediction.expected_covariance import Knowns
 from truepose.planning.prediction.plan import VolumeSample, WorkVolume, sample
-from truepose.planning.prediction.subjects import APPROACH_RAD
+from truepose.planning.prediction.robots_and_cells import APPROACH_RAD
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
 

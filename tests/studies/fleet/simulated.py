@@ -21,9 +21,9 @@ from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.effects.backlash import MEASURED_GAPS_DEG
-from truepose_simulators.physics.plant import draw_motions
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.true_robot import draw_motions
 from truepose_simulators.recording import Wishes, write_campaign
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.plan import plan_stops

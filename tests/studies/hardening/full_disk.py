@@ -15,7 +15,7 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_se
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageUnavailableError
-from truepose.storage.integrity.guard import Guard
+from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository

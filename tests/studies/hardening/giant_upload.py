@@ -111,7 +111,7 @@ def _resident_mb(service):
             number = int(folder.name)
             parents[number] = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
             resident[number] = int((folder / "statm").read_text().split()[1]) * 4096 / _MB
-            is_worker[number] = b"truepose.analysis.workers.worker" in (folder / "cmdline").read_bytes()
+            is_worker[number] = b"truepose.analysis.job_queue.worker" in (folder / "cmdline").read_bytes()
     workers = [n for n, parent in parents.items() if parent == service and is_worker.get(n)]
     return resident[service], resident[service] + sum(resident[n] for n in workers)
 

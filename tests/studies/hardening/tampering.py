@@ -21,7 +21,7 @@ from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.guard import Guard
+from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository

@@ -12,8 +12,8 @@ from truepose.domain.campaign import TargetDistances
 from truepose.domain.contacts import Target, TargetKind
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
+from truepose.planning.contacts.loop_configurations import LoopWish
 from truepose.planning.contacts.loop_prediction import promised_loop
-from truepose.planning.contacts.loop_stands import LoopWish
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop

@@ -15,9 +15,9 @@ from tests.studies.archive.compared import bits_of, parts_of
 from tests.studies.archive.recorded import recorded_archive
 from truepose.analysis.archive import ArchivedCampaign
 from truepose.analysis.archive_outcomes import analyse
-from truepose.analysis.cluster.dask_workers import DaskPlaces, of_this_computer
-from truepose.analysis.cluster.tasks import Cluster, PartAnswer
 from truepose.analysis.errors import ClusterError
+from truepose.analysis.parallel.dask_pool import DaskPlaces, of_this_computer
+from truepose.analysis.parallel.tasks import Cluster, PartAnswer
 
 _CAMPAIGNS: Final = 3
 _READINGS: Final = 40

@@ -14,9 +14,9 @@ from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict
-from truepose.planning.prediction.knowledge import Knowns
+from truepose.planning.prediction.expected_covariance import Knowns
 from truepose.planning.prediction.plan import PromisedPlan, VolumeSample, WorkVolume, sample
-from truepose.planning.prediction.subjects import of_campaign
+from truepose.planning.prediction.robots_and_cells import of_campaign
 from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock

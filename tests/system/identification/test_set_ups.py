@@ -22,7 +22,7 @@ from truepose.exchange.models.file import model_from_text, model_text
 from truepose.identification import identify, judge, predict
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.identification.problem.setting import setting_of
+from truepose.identification.problem.problem_setup import setting_of
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 

@@ -14,8 +14,8 @@ from tests.system.session_bench import Bench, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
 from truepose.planning.tracker.plans import plan_calibration, plan_validation
+from truepose.sessions.tracker.reflector_monitor import _PERIOD_S
 from truepose.sessions.tracker.runner import TrackerRunner
-from truepose.sessions.tracker.watching import _PERIOD_S
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.transports.tcp import TcpLink
 

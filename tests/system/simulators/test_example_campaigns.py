@@ -8,9 +8,9 @@ import pytest
 
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import Conditions
-from truepose_simulators.physics.plant import Plant, find_rest
 from truepose_simulators.physics.rigid import cross_matrix
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.true_robot import Plant, find_rest
 
 
 def read_rows(path):

@@ -7,7 +7,7 @@ import truepose_simulators
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import BeamBroken, FixedNestMoved
 from truepose_simulators.physics.effects import EFFECTS, PlantedChange
-from truepose_simulators.physics.plant import PlantSizes
+from truepose_simulators.physics.true_robot import PlantSizes
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.scenario import Scenario
 

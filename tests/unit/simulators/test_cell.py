@@ -7,8 +7,8 @@ from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
 from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.plant import NoEquilibriumError
 from truepose_simulators.physics.rigid import move
+from truepose_simulators.physics.true_robot import NoEquilibriumError
 from truepose_simulators.scenarios.scenario import ArmSetup, ConfiguredLink, TableSetup, ToolSetup
 
 LIMITS = SpeedLimits(500.0, 0.349)

@@ -7,8 +7,8 @@ from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.accuracy import TrackerSetup, noise_mm
 from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.plant import NoEquilibriumError
 from truepose_simulators.physics.rigid import move
+from truepose_simulators.physics.true_robot import NoEquilibriumError
 
 HOUR_S = 3600.0
 

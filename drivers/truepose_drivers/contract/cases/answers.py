@@ -4,10 +4,10 @@ import asyncio
 import contextlib
 from typing import Final
 
-from truepose_drivers.contract import spoiling
+from truepose_drivers.contract import wire_faults
 from truepose_drivers.contract.bench import Kind
 from truepose_drivers.contract.case import READ, Trial, broken, case
-from truepose_drivers.contract.spoiling import Fault
+from truepose_drivers.contract.wire_faults import Fault
 from truepose_drivers.errors import DriverError
 
 _READINGS: Final = 5
@@ -47,7 +47,7 @@ async def answers_in_single_bytes_are_right(trial: Trial) -> None:
 async def answers_that_stall_are_waited_for(trial: Trial) -> None:
     """An answer that stalls for 50 ms, be it inside a number, is waited for and read whole."""
     await trial.read()
-    trial.spoil(spoiling.split, later=int(trial.rng.integers(_DEEPEST)))
+    trial.spoil(wire_faults.split, later=int(trial.rng.integers(_DEEPEST)))
     trial.bench.move(trial.rng)
     await trial.read()
 
@@ -58,7 +58,7 @@ async def answers_that_stall_are_waited_for(trial: Trial) -> None:
 )
 async def repeated_and_merged_answers_are_no_reading(trial: Trial) -> None:
     """An answer that comes twice, or into which another one runs, is read right or refused."""
-    for fault in (spoiling.repeat, spoiling.merge):
+    for fault in (wire_faults.repeat, wire_faults.merge):
         await _spoilt(trial, fault)
 
 
@@ -68,7 +68,7 @@ async def repeated_and_merged_answers_are_no_reading(trial: Trial) -> None:
 )
 async def stale_answers_are_no_reading(trial: Trial) -> None:
     """What belongs to an earlier question, in whole or in part, is never taken for the answer to this one."""
-    for fault in (spoiling.late, spoiling.half_late, spoiling.replay):
+    for fault in (wire_faults.late, wire_faults.half_late, wire_faults.replay):
         await _spoilt(trial, fault)
     await _specials(trial, "stale")
 
@@ -86,7 +86,7 @@ async def garbage_closes_the_link(trial: Trial) -> None:
         broken("the driver refused garbage and left its link open")
     trial.mend()
     await trial.recover()
-    for fault in (spoiling.garbage, spoiling.huge, spoiling.truncate, spoiling.cut):
+    for fault in (wire_faults.garbage, wire_faults.huge, wire_faults.truncate, wire_faults.cut):
         await _spoilt(trial, fault)
 
 
@@ -199,7 +199,7 @@ async def a_question_given_up_leaves_nothing_behind(trial: Trial) -> None:
     """A reading that is cancelled in the middle leaves no answer for the next one to take."""
     await trial.read()
     trial.bench.move(trial.rng)
-    trial.spoil(spoiling.split)
+    trial.spoil(wire_faults.split)
     asking = asyncio.create_task(trial.bench.ask(trial.device))
     await asyncio.sleep(float(trial.rng.uniform(0.0, _LATEST_S)))
     asking.cancel()

@@ -7,9 +7,9 @@ A side of the wire feeds a `FrameReader` and decodes its frames (`decode_request
 `decode_from_server` in a client); `encode` makes the bytes of any packet.
 """
 
+from truepose_drivers.leica_emscon.protocol.command_members import EXCHANGES, Exchange, exchange
 from truepose_drivers.leica_emscon.protocol.commands import LIST_COMMANDS, Command
-from truepose_drivers.leica_emscon.protocol.exchanges import EXCHANGES, Exchange, exchange
-from truepose_drivers.leica_emscon.protocol.layouts import (
+from truepose_drivers.leica_emscon.protocol.packet_layouts import (
     LONGEST_PACKET_BYTES,
     SHORTEST_PACKET_BYTES,
     Frame,

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from truepose_drivers.leica_emscon.protocol.exchanges import exchange
-from truepose_drivers.leica_emscon.protocol.layouts import (
+from truepose_drivers.leica_emscon.protocol.command_members import exchange
+from truepose_drivers.leica_emscon.protocol.packet_layouts import (
     LONGEST_PACKET_BYTES,
     Frame,
     Layout,

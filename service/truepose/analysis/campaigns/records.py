@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from datetime import date
 from typing import Any, Final, TypeAlias
 
-from truepose.analysis.campaigns.assembly import (
+from truepose.analysis.campaigns.tracker import (
     MeasuredSession,
     assemble_campaign,
     judged_by,
@@ -14,8 +14,8 @@ from truepose.analysis.campaigns.assembly import (
     summary_of,
 )
 from truepose.analysis.errors import NothingMeasuredError, RoleError
-from truepose.analysis.workers.tasks import stored_campaign
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.tasks import stored_campaign
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.correction.proof import Proof, proof_of
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.identification import Model, NominalAndIdentified

@@ -86,7 +86,7 @@ def tell(content: bytes, _seed: np.random.SeedSequence) -> bytes:
 
     Raises TrueposeError.
     """
-    from truepose.analysis.workers.tasks import stored_campaign
+    from truepose.analysis.job_queue.tasks import stored_campaign
     from truepose.fleet.campaigns import information_of
 
     campaign = stored_campaign(content)

@@ -8,7 +8,7 @@ from truepose.fleet.interim_check import CauseGrowth, InterimCheck, check_of, gr
 from truepose.fleet.predicted_accuracy import PredictedAccuracy, of_a_new_robot, promise
 from truepose.identification import identify
 from truepose.messages.catalogue import english
-from truepose.planning.prediction.subjects import Subject, of_campaign
+from truepose.planning.prediction.robots_and_cells import Subject, of_campaign
 
 _NAMED = 3  # robots in a sentence
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from truepose.analysis.archive import ArchivedCampaign, sha256
 from truepose.analysis.archive_outcomes import keep_whole
-from truepose.analysis.cluster.arithmetic import program
-from truepose.analysis.cluster.tasks import Cluster, Part, PartFailure
 from truepose.analysis.fleets.campaigns import CampaignEstimate, Entry, said_unlike, tell, told_from, unfit_of
+from truepose.analysis.parallel.arithmetic import program
+from truepose.analysis.parallel.tasks import Cluster, Part, PartFailure
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.domain.robot import Robot
 from truepose.exchange.tables.files import NOT_STATED, Stated

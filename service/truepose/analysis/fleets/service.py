@@ -8,9 +8,9 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from truepose.analysis.cluster.addresses import Reach
 from truepose.analysis.errors import ClusterError
 from truepose.analysis.page_services import Renderer
+from truepose.analysis.parallel.addresses import Reach
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.storage.caches import DrawnFolder, drawn_of
 from truepose.storage.plant.overview import CollectedCampaigns
@@ -18,7 +18,7 @@ from truepose.storage.plant.queries import ResultRecord
 from truepose.version import program_sha256
 
 if TYPE_CHECKING:
-    from truepose.analysis.cluster.tasks import Outcome
+    from truepose.analysis.parallel.tasks import Outcome
 
 _MOST_BYTES: Final = 1024 * 2**20  # some eight thousand campaigns
 _TOGETHER: Final = 20  # campaigns that a worker process is asked for
@@ -169,9 +169,9 @@ def _here(contents: Sequence[bytes]) -> Iterator[tuple[_Answer, bytes]]:
 
 def _by_workers(contents: Sequence[bytes], where: str) -> list[tuple[_Answer, bytes]]:
     """Return what came until the workers were lost, if they were, and why the others were not asked."""
-    from truepose.analysis.cluster.tasks import Part
-    from truepose.analysis.cluster.workers import workers
     from truepose.analysis.fleets.campaigns import tell
+    from truepose.analysis.parallel.local_pool import workers
+    from truepose.analysis.parallel.tasks import Part
 
     parts = [Part(f"campaign {number}", content) for number, content in enumerate(contents, start=1)]
     came, fault = {}, b""
@@ -185,7 +185,7 @@ def _by_workers(contents: Sequence[bytes], where: str) -> list[tuple[_Answer, by
 
 
 def _answer_of(one: "Outcome[bytes]") -> tuple[_Answer, bytes]:
-    from truepose.analysis.cluster.tasks import PartFailure
+    from truepose.analysis.parallel.tasks import PartFailure
 
     return (_Answer.FAILED, one.why.encode()) if isinstance(one, PartFailure) else (_Answer.TOLD, one.answer)
 

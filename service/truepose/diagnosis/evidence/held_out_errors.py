@@ -20,8 +20,8 @@ from truepose.diagnosis.evidence.cross_validation import Errors, Nested, as_foun
 from truepose.diagnosis.screening.selection import Choice, Selection, names_of
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, sites
-from truepose.domain.definite import solved
 from truepose.domain.diagnosis import Gain, HeldOutErrors
+from truepose.domain.singular_covariance import solved
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import of_legs, signature_of
 from truepose.identification.distributions import chi2_median

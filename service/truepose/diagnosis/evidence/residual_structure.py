@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.diagnosis.angle_steps import AngleSteps, telling_steps
+from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.distributions import chi2_log_density
 from truepose.diagnosis.reading_faults import Tails, tails
 from truepose.diagnosis.screening.candidates import pooled, term_columns
 from truepose.diagnosis.screening.normal_equations import Products, Projection, products_of
 from truepose.diagnosis.screening.selection import LEVEL, Selection
 from truepose.diagnosis.screening.significance import chance, most_likely, screen
-from truepose.diagnosis.screening.smooth_families import Family, families, terms_of
-from truepose.diagnosis.start import Start
+from truepose.diagnosis.screening.smooth_functions import Family, families, terms_of
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Gain, WorstPoint
 from truepose.effects.causes import Candidate, ErrorSignature, Scene

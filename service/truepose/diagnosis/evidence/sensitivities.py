@@ -12,8 +12,8 @@ import numpy as np
 
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.definite import solved
 from truepose.domain.diagnosis import Described, Worth
+from truepose.domain.singular_covariance import solved
 from truepose.effects.causes import Candidate, Description, Fitted, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from truepose.effects.registry import CAUSES

@@ -11,8 +11,8 @@ with these two slopes that is linear in its parameter.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.definite import solved
 from truepose.domain.diagnosis import Detail
+from truepose.domain.singular_covariance import solved
 from truepose.effects.arm.compliance import VISIBLE_RAD, compliance_prior, known_torque
 from truepose.effects.causes import (
     FEWEST_TOGETHER,

@@ -20,8 +20,8 @@ from itertools import product
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.definite import inverse
 from truepose.domain.diagnosis import Detail
+from truepose.domain.singular_covariance import inverse
 from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
 from truepose.effects.motions import COMPONENTS, Widths, motion_specs, split_motion
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port

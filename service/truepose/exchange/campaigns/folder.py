@@ -43,7 +43,7 @@ from truepose.exchange.tables.points import (
     read_reference_table,
     reference_text,
 )
-from truepose.exchange.tables.table import Arrays, TableData
+from truepose.exchange.tables.table_reader import Arrays, TableData
 from truepose.messages.message import Message, message
 
 DESCRIPTION = "campaign.json"

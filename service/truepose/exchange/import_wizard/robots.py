@@ -17,7 +17,7 @@ from truepose.exchange.import_wizard.dialogue import OWN_ROBOT, ChangeOffered, C
 from truepose.exchange.import_wizard.files import Piece
 from truepose.exchange.import_wizard.tables import has_positions, joints_of, n_joints, positions_of
 from truepose.exchange.robots.named import list_robots, load_robot, read_robot_file
-from truepose.identification.problem.placement import PriorPlacement
+from truepose.identification.problem.initial_frames import PriorPlacement
 from truepose.identification.verdict.conventions import Change, Evidence, Interpretation
 from truepose.identification.verdict.robot_match import Match, matches
 from truepose.messages.message import Message, Text, message

@@ -18,7 +18,7 @@ from truepose.exchange.models.rigid_arm import (
     values_text,
 )
 from truepose.exchange.models.urdf import urdf_remarks, urdf_text
-from truepose.exchange.robots.calibrated_kinematics import kinematics_remarks, kinematics_text
+from truepose.exchange.robots.ros_calibrated_kinematics import kinematics_remarks, kinematics_text
 from truepose.messages.message import Message
 
 Format = Literal["urdf", "ros", "dhm", "controller"]

@@ -7,8 +7,7 @@ from pathlib import PurePath
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.controllers import Confdata, Nearest, Rule, StatedBranch, StatusAndTurn
-from truepose.exchange.programs.draft import Draft
+from truepose.exchange.programs.controller_rules import Confdata, Nearest, Rule, StatedBranch, StatusAndTurn
 from truepose.exchange.programs.languages import (
     fanuc_ls,
     gcode,
@@ -19,6 +18,7 @@ from truepose.exchange.programs.languages import (
     ur_script,
     val3,
 )
+from truepose.exchange.programs.parsed_program import Draft
 from truepose.exchange.programs.program import Program, Source
 
 _FULL: Final = "5e-7 mm, 5e-10 deg"

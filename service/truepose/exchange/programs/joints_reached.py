@@ -24,7 +24,7 @@ import numpy as np
 from truepose.correction import ANY_BRANCH
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
-from truepose.exchange.programs.controllers import Known, Rule
+from truepose.exchange.programs.controller_rules import Known, Rule
 from truepose.exchange.programs.program import Configuration, Pose, Program, ProgramTarget, Written
 from truepose.kinematics.inverse import BRANCHES, all_branches, has_closed_form
 

@@ -91,7 +91,7 @@ def _read_urdf(path: Path) -> RobotWithTool:
 
 
 def _read_kinematics(path: Path) -> RobotWithTool:
-    from truepose.exchange.robots.calibrated_kinematics import read_calibrated_kinematics
+    from truepose.exchange.robots.ros_calibrated_kinematics import read_calibrated_kinematics
 
     return RobotWithTool(read_calibrated_kinematics(path), nests=())
 

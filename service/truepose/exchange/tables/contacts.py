@@ -25,7 +25,7 @@ from truepose.exchange.tables.fields import (
     written_fields,
 )
 from truepose.exchange.tables.points import UNCERTAINTY_FIELD, ignored_columns
-from truepose.exchange.tables.table import (
+from truepose.exchange.tables.table_reader import (
     POSITIVE,
     WHOLE,
     Column,

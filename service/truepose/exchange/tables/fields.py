@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from truepose.domain.campaign import Stops
-from truepose.exchange.tables.table import WHOLE, Column, Table, at_least, between
+from truepose.exchange.tables.table_reader import WHOLE, Column, Table, at_least, between
 
 WHOLE_NUMBER: Final = "d"
 ANGLE: Final = ".9f"

@@ -32,7 +32,7 @@ from truepose.exchange.tables.points import (
     read_point_table,
 )
 from truepose.exchange.tables.rows import MOST_ROWS, Numbered, numbered_rows, parts, read_header
-from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
+from truepose.exchange.tables.table_reader import WHOLE, Column, TableData, column_names, one_of, read_table
 from truepose.messages.message import Message
 
 _COLUMNS: Final = ("campaign", "robot", "instrument", "day")

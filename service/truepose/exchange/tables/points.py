@@ -23,7 +23,7 @@ from truepose.exchange.tables.fields import (
     torque_names,
     written_fields,
 )
-from truepose.exchange.tables.table import (
+from truepose.exchange.tables.table_reader import (
     POSITIVE,
     WHOLE,
     Column,

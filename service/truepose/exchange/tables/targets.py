@@ -32,7 +32,7 @@ from truepose.exchange.tables.points import (
     unit_quaternions,
 )
 from truepose.exchange.tables.rows import read_text, written_text
-from truepose.exchange.tables.table import (
+from truepose.exchange.tables.table_reader import (
     WHOLE,
     Cells,
     Column,

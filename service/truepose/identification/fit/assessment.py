@@ -29,7 +29,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.campaign import Campaign, FixedNestReadings, sites
 from truepose.domain.robot import FixedNest, WorldRegistration
-from truepose.effects.placing.tool_certificate import moves
+from truepose.effects.frames.tool_certificate import moves
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.solver import covariance_of, posterior_covariance, slope
 from truepose.identification.observations.blocks import Block, BlockResult

@@ -32,8 +32,8 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.definite import whitening_root
 from truepose.domain.identification import Parameter, Shortfall
+from truepose.domain.singular_covariance import whitening_root
 from truepose.effects.ports import Setting
 from truepose.effects.registry import effect_named, unmodelled_in
 from truepose.identification.fit.robust import RobustFit, degrees_of_freedom

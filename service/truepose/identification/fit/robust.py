@@ -433,7 +433,7 @@ def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray
         sum of weights * d - tr(J^T C J) of whitened J; 1 at least.
     """
     kept = float(block.weights.sum()) * result.residual.shape[1]
-    return max(kept - absorbed(result.white_jacobian, covariance), 1.0)
+    return float(max(kept - absorbed(result.white_jacobian, covariance), 1.0))
 
 
 def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> float:

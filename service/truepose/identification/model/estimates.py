@@ -26,6 +26,7 @@ from truepose.domain.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term
 from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
+from truepose.identification.model.missing_input_uncertainty import span_of
 from truepose.identification.model.structure import (
     COUNTERPARTS,
     LEG_OFFSET,
@@ -36,7 +37,6 @@ from truepose.identification.model.structure import (
     anchor_name,
     base_axes,
 )
-from truepose.identification.model.unknown_conditions import span_of
 from truepose.kinematics.frames import (
     angles_xyz,
     placement_of,

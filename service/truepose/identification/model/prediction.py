@@ -32,7 +32,7 @@ from truepose.identification.model.derivatives import (
 )
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
 from truepose.identification.model.evaluation import State, Targets, evaluate, rows_of
-from truepose.identification.model.unknown_conditions import left_out, left_out_variance, span_of
+from truepose.identification.model.missing_input_uncertainty import left_out, left_out_variance, span_of
 from truepose.identification.model.validity import held, held_variance
 from truepose.kinematics.chain import theta_gradient
 from truepose.messages.message import Message

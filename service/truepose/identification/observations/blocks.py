@@ -23,7 +23,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table, distinct_values
-from truepose.domain.definite import whitening_root
+from truepose.domain.singular_covariance import whitening_root
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.structure import Structure
 

@@ -30,8 +30,8 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.domain.campaign import Campaign, Stops
+from truepose.effects.frames.fixed_nests import NAME, place_name, reference_specs
 from truepose.effects.motions import COMPONENTS
-from truepose.effects.placing.fixed_nests import NAME, place_name, reference_specs
 from truepose.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded
 from truepose.identification.model.derivatives import seen_jacobian
 from truepose.identification.model.evaluation import State, Targets

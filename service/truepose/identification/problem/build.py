@@ -31,16 +31,16 @@ from truepose.domain.campaign import (
     Stops,
 )
 from truepose.domain.errors import ConfigurationError
-from truepose.effects.placing.base_frame import NAME as BASE
-from truepose.effects.placing.tool_nests import NAME as TOOL
+from truepose.effects.frames.base_frame import NAME as BASE
+from truepose.effects.frames.tool_nests import NAME as TOOL
 from truepose.effects.ports import ParameterSpec, Setting, Trait
 from truepose.effects.registry import automatic_in, effects_with
 from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.joint_priors import belief_block
 from truepose.identification.observations.poses import position_block
-from truepose.identification.problem.placement import Placement, place
-from truepose.identification.problem.setting import (
+from truepose.identification.problem.initial_frames import Placement, place
+from truepose.identification.problem.problem_setup import (
     known_placement,
     outline,
     setting_of,

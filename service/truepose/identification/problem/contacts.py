@@ -20,15 +20,19 @@ from truepose.domain.campaign import Campaign, ContactReadings
 from truepose.domain.contacts import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
-from truepose.effects.placing.base_frame import NAME as BASE
+from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.effects.ports import Setting
 from truepose.identification.model.structure import TARGET_OWNER, Structure, target_prefix
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.contact_targets import KINDS, Probe, sensor_axes
 from truepose.identification.observations.contacts import contact_block, distance_block
+from truepose.identification.problem.initial_frames import Placement
 from truepose.identification.problem.legs import attachments
-from truepose.identification.problem.placement import Placement
-from truepose.identification.problem.setting import known_placement, started_structure, with_certified_nests
+from truepose.identification.problem.problem_setup import (
+    known_placement,
+    started_structure,
+    with_certified_nests,
+)
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import (
     placement_rotation,

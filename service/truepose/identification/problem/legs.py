@@ -19,14 +19,18 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_val
 from truepose.domain.campaign import Campaign, LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
-from truepose.effects.placing.base_frame import NAME as BASE
+from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.model.structure import LEG_OFFSET, LEG_OWNER, Structure, anchor_name
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixture import BALL_NEST, clamp_block, side_block
 from truepose.identification.observations.legs import leg_block
-from truepose.identification.problem.placement import Placement, PriorPlacement
-from truepose.identification.problem.setting import known_placement, started_structure, with_certified_nests
+from truepose.identification.problem.initial_frames import Placement, PriorPlacement
+from truepose.identification.problem.problem_setup import (
+    known_placement,
+    started_structure,
+    with_certified_nests,
+)
 from truepose.kinematics.chain import Chain, nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 

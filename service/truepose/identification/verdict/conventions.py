@@ -25,7 +25,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.robot import Robot
 from truepose.effects.names import joint_subject
-from truepose.identification.problem.placement import PriorPlacement, quick_typical_mm
+from truepose.identification.problem.initial_frames import PriorPlacement, quick_typical_mm
 from truepose.kinematics.chain import nominal_chain
 from truepose.messages.message import Message, message
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.identification import NotIdentifiable
-from truepose.effects.placing.base_frame import PARAMETERS as BASE
+from truepose.effects.frames.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
 from truepose.identification.model.structure import Structure, certified_zeros

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from truepose.domain.robot import Robot
-from truepose.identification.problem.placement import PriorPlacement, place
+from truepose.identification.problem.initial_frames import PriorPlacement, place
 from truepose.identification.verdict.conventions import (
     Change,
     Evidence,

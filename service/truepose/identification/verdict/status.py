@@ -14,15 +14,15 @@ import numpy as np
 from truepose.domain.arrays import distinct_values
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.identification import Status
-from truepose.effects.placing.base_frame import WIDTH_MM as BASE_WIDTH_MM
-from truepose.effects.placing.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
+from truepose.effects.frames.base_frame import WIDTH_MM as BASE_WIDTH_MM
+from truepose.effects.frames.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.observations.joint_priors import BeliefBlock
 from truepose.identification.problem.build import Problem
-from truepose.identification.problem.setting import known_placement, setting_of
+from truepose.identification.problem.problem_setup import known_placement, setting_of
 from truepose.identification.verdict.conventions import (
     Change,
     Evidence,

@@ -24,8 +24,7 @@ from truepose.kinematics.frames import (
 from truepose.kinematics.inverse import has_closed_form
 from truepose.kinematics.pose_device import Assembly
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, base_fixture, fixture_body
-from truepose.planning.ballbar.choice import Candidates, candidates, known_after
-from truepose.planning.ballbar.information import (
+from truepose.planning.ballbar.expected_information import (
     SPACE_POINTS,
     ArmModel,
     WorkSpaceSample,
@@ -33,6 +32,7 @@ from truepose.planning.ballbar.information import (
     predicted_error_mm,
     work_space_sample,
 )
+from truepose.planning.ballbar.pose_selection import Candidates, candidates, known_after
 from truepose.planning.ballbar.poses import device, setup_joints
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.workspace.capsules import gaps_mm, look_at

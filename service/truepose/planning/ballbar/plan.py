@@ -12,11 +12,16 @@ from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import check_triangle
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
-from truepose.planning.ballbar.choice import Candidates, candidates, choose
 from truepose.planning.ballbar.clearance import is_clear
-from truepose.planning.ballbar.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
+from truepose.planning.ballbar.expected_information import (
+    SPACE_POINTS,
+    ArmModel,
+    arm_model,
+    work_space_sample,
+)
 from truepose.planning.ballbar.paths import Stop, Surroundings, Tour, away, lift, tour, way
 from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose
 from truepose.planning.ballbar.poses import planned, setups, subset
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 

@@ -22,10 +22,10 @@ from truepose.identification.model.derivatives import place_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict.identifiability import left_open
-from truepose.planning.contacts.loop_stands import LoopWish, Stands, draw_stands, nominal_loop
+from truepose.planning.contacts.loop_configurations import LoopWish, Stands, draw_stands, nominal_loop
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import NONE, Discrepancy, Errors, curve, knee, sizes
-from truepose.planning.prediction.knowledge import covariance_root
+from truepose.planning.prediction.expected_covariance import covariance_root
 from truepose.planning.prediction.plan import (
     Assumptions,
     PromisedPlan,

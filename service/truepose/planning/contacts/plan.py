@@ -13,8 +13,8 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import SEEN_ALONG_AXES, ContactPlan, ContactStop, Joints, Target, TargetKind
 from truepose.domain.session import Vector
 from truepose.kinematics.chain import Chain, alpha_gradient, theta_gradient
+from truepose.planning.contacts.plan_request import ContactWish, normal_of, place_of, require_sense
 from truepose.planning.contacts.poses import Goals, ReachablePoses, draw_goals, groups_of, reached
-from truepose.planning.contacts.wish import ContactWish, normal_of, place_of, require_sense
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
 from truepose.planning.workspace.bodies import CellBodies, Ways, bodies_of, least_rooms_mm

@@ -19,7 +19,7 @@ from truepose.domain.contacts import Target, TargetKind
 from truepose.domain.robot import JointRange
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.kinematics.inverse import all_branches, brought_within
-from truepose.planning.contacts.wish import ContactWish, mean_normal, normal_of, place_of
+from truepose.planning.contacts.plan_request import ContactWish, mean_normal, normal_of, place_of
 from truepose.planning.workspace.bodies import CellBodies, Ways, least_rooms_mm, rooms
 from truepose.planning.workspace.space import WorkSpace
 

@@ -23,14 +23,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
 from truepose.planning.ballbar.bodies import BaseFixture
-from truepose.planning.ballbar.choice import (
-    candidates,
-    known_after,
-    least_error_first,
-    of_candidates,
-    stacked_rows,
-)
-from truepose.planning.ballbar.information import (
+from truepose.planning.ballbar.expected_information import (
     ArmModel,
     Scatter,
     WorkSpaceSample,
@@ -40,6 +33,13 @@ from truepose.planning.ballbar.information import (
 )
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.plan import ballbar_cell
+from truepose.planning.ballbar.pose_selection import (
+    candidates,
+    known_after,
+    least_error_first,
+    of_candidates,
+    stacked_rows,
+)
 from truepose.planning.ballbar.poses import setups
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.prediction.errors import (
@@ -52,7 +52,7 @@ from truepose.planning.prediction.errors import (
     knee,
     sizes,
 )
-from truepose.planning.prediction.knowledge import LEAST_MM
+from truepose.planning.prediction.expected_covariance import LEAST_MM
 from truepose.planning.prediction.plan import (
     VOLUME_CONFIGURATIONS,
     Assumptions,

@@ -13,7 +13,7 @@ from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import CurvePoint, Errors, curve, knee, sizes
-from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns, ReadingInformation
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns, ReadingInformation
 from truepose.planning.prediction.plan import (
     VOLUME_CONFIGURATIONS,
     Assumptions,

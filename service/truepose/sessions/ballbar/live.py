@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from truepose.sessions.engine.identity import told
+from truepose.sessions.engine.identity_check import told
 from truepose_drivers.api import Ballbar, BallbarReading, Clock, DeviceIdentity
 from truepose_drivers.errors import ConnectionLostError, DriverError, DriverFaultError, LinkError
 

@@ -7,8 +7,8 @@ from typing import Final, cast
 
 import numpy as np
 
-from truepose.analysis.workers.process import Perform, Turns
-from truepose.analysis.workers.tasks import BallbarPlanTask, PrecalibrateTask
+from truepose.analysis.job_queue.supervisor import Perform, Turns
+from truepose.analysis.job_queue.tasks import BallbarPlanTask, PrecalibrateTask
 from truepose.domain.ballbar import (
     BallbarPlan,
     BallbarStep,
@@ -31,11 +31,11 @@ from truepose.planning.workspace.bodies import (
     what_blocks_a_way,
     what_to_watch,
 )
-from truepose.sessions.ballbar.assignments import Judges
-from truepose.sessions.ballbar.counting import counting
-from truepose.sessions.ballbar.early import EarlyJudge
+from truepose.sessions.ballbar.early_length_check import EarlyJudge
+from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.plan import steps
 from truepose.sessions.ballbar.situation import Situation
+from truepose.sessions.ballbar.valid_readings import counting
 from truepose.sessions.errors import NoBallbarError, PlanRefusedError
 from truepose.storage.records import SessionSetup
 

@@ -25,7 +25,7 @@ from truepose.sessions.ballbar.live import (
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import ActName
-from truepose.sessions.engine.identity import KnownDevice, same_number
+from truepose.sessions.engine.identity_check import KnownDevice, same_number
 from truepose.sessions.errors import NotNowError
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
 

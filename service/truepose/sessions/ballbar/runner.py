@@ -26,12 +26,12 @@ from truepose.domain.errors import RecordRefusedError, text_of
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
-from truepose.sessions.ballbar.assignments import Judges
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator, precalibrated
+from truepose.sessions.ballbar.command_handlers import ActHandlers
 from truepose.sessions.ballbar.dry_run import check_plan, check_structure
-from truepose.sessions.ballbar.handlers import ActHandlers
+from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.live import LiveSample
-from truepose.sessions.ballbar.motion import Motion, RestMonitor
+from truepose.sessions.ballbar.motion_interlock import Motion, RestMonitor
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation, situation_of
 from truepose.sessions.ballbar.state import NEEDS_BALLBAR_OFF, BallbarRecord

@@ -16,12 +16,12 @@ from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
 from truepose.messages.message import message
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
-from truepose.sessions.ballbar.counting import counting
 from truepose.sessions.ballbar.dry_run import check_plan
 from truepose.sessions.ballbar.planning import BallbarWish, judged, kit_of
-from truepose.sessions.ballbar.removal import BarPutAway
+from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.situation import Situation, situation
+from truepose.sessions.ballbar.valid_readings import counting
 from truepose.sessions.controller import ServedKind
 from truepose.sessions.engine.commands import Act, ActName
 from truepose.sessions.engine.interlocks import motion_limits

@@ -24,12 +24,12 @@ from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import IdentityTaken, SessionState
 from truepose.messages.message import Text, is_said_in, together
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.commands import acts_allowed
+from truepose.sessions.ballbar.allowed_commands import acts_allowed
 from truepose.sessions.ballbar.dry_run import BallbarProgress, pace_s_per_reading, remaining_s
 from truepose.sessions.ballbar.plan import MAX_ATTEMPTS, Course, forecast_of, steps, ways
 from truepose.sessions.ballbar.state import READINGS, BallbarRecord, OpenSuspicion, Outcome
 from truepose.sessions.engine.commands import ActName
-from truepose.sessions.engine.identity import KnownDevice, sentence
+from truepose.sessions.engine.identity_check import KnownDevice, sentence
 from truepose.sessions.engine.progress import ActingTablet
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.engine.states import ASKS

@@ -13,13 +13,13 @@ from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.session import IdentityTaken, SessionState
 from truepose.messages.message import Message, Text, as_sentence, message, together
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.assignments import Judges, doubt
-from truepose.sessions.ballbar.motion import Motion, RestMonitor
+from truepose.sessions.ballbar.length_check import Judges, doubt
+from truepose.sessions.ballbar.motion_interlock import Motion, RestMonitor
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import Act
-from truepose.sessions.engine.identity import accepted, same_number, sentence
+from truepose.sessions.engine.identity_check import accepted, same_number, sentence
 from truepose.sessions.engine.ledger import IdentityCheck, Logbook
 from truepose.sessions.errors import ForeignRobotError, NotNowError
 from truepose_drivers.errors import DriverError

@@ -17,7 +17,7 @@ from truepose.kinematics.frames import placement_rotation
 from truepose.kinematics.inverse import all_branches
 from truepose.messages.message import Message, message
 from truepose.sessions.engine.arm import Arm, rest_of_way
-from truepose.sessions.engine.identity import same_number, told
+from truepose.sessions.engine.identity_check import same_number, told
 from truepose.sessions.engine.interlocks import binding_speed, joint_outside, motion_limits, slowest
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError

@@ -29,7 +29,7 @@ from truepose.sessions.contact.state import (
 from truepose.sessions.engine.arm import Arm, MotionSegments
 from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
 from truepose.sessions.engine.halts import Halts
-from truepose.sessions.engine.identity import same_number, told
+from truepose.sessions.engine.identity_check import same_number, told
 from truepose.sessions.engine.interlocks import binding_speed, end_of_motion, motion_limits, speed_sentence
 from truepose.sessions.engine.ledger import RESTARTED, Ledger, Logbook
 from truepose.sessions.engine.prompts import CELL_CLEAR

@@ -13,7 +13,7 @@ from truepose.domain.contacts import ContactPlan, ContactTaken
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.message import Text, message
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.contacts.plan_request import ContactWish
 from truepose.planning.errors import PlanningError
 from truepose.planning.workspace.bodies import Ways, bodies_of, what_blocks_a_way, what_to_watch
 from truepose.sessions.contact.dry_run import check_plan

@@ -12,7 +12,7 @@ from truepose.domain.people import tidy_name
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState
 from truepose.messages.message import Message, Text, message
 from truepose.sessions.engine.commands import Act, ActOutcome
-from truepose.sessions.engine.identity import judge, sentence
+from truepose.sessions.engine.identity_check import judge, sentence
 from truepose.sessions.engine.progress import Record
 from truepose.sessions.engine.states import ASKS, after_restart, require_transition
 from truepose_drivers.api import Clock, DeviceIdentity

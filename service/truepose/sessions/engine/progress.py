@@ -10,7 +10,7 @@ from typing import Final
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState, config_of
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity import KnownDevice
+from truepose.sessions.engine.identity_check import KnownDevice
 
 _FAR_OFF: Final = 3.0  # times the median
 

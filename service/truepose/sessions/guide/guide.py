@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, cast
 
-from truepose.analysis.campaigns.assembly import MeasuredSession
-from truepose.analysis.workers.accuracy_tasks import Outlook, OutlookTask
-from truepose.analysis.workers.process import Perform, Turns
+from truepose.analysis.campaigns.tracker import MeasuredSession
+from truepose.analysis.job_queue.accuracy_tasks import Outlook, OutlookTask
+from truepose.analysis.job_queue.supervisor import Perform, Turns
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import IdentityTaken, Progress, SessionPlan, SessionState, config_of, stop_id

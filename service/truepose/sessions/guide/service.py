@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Sequence
 
 from truepose.analysis.campaigns.records import measured_session
-from truepose.analysis.workers.accuracy_tasks import Outlook
+from truepose.analysis.job_queue.accuracy_tasks import Outlook
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.ledger import LedgerEntry
 from truepose.messages.message import message
@@ -12,8 +12,8 @@ from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.contact.service import ContactSessions
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.guide.guide import Fixed, Guide, Outlooks, standing, standing_of
+from truepose.sessions.guide.reading_tables import Sheet, sheet_of
 from truepose.sessions.guide.scene import GuidedScene, guided_scene
-from truepose.sessions.guide.sheet import Sheet, sheet_of
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.ledger.tracker_readings import ReadingRepository

@@ -18,7 +18,8 @@ from truepose.sessions.engine.interlocks import binding_speed, check_numbers, jo
 from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
 from truepose.sessions.errors import PlanRefusedError
 from truepose.sessions.tracker.cell import SessionCell
-from truepose.sessions.tracker.plan import (
+from truepose.sessions.tracker.state import steps
+from truepose.sessions.tracker.steps import (
     MeasurePoint,
     MeasurePose,
     Move,
@@ -27,7 +28,6 @@ from truepose.sessions.tracker.plan import (
     ReadFixedNest,
     Settle,
 )
-from truepose.sessions.tracker.state import steps
 from truepose_drivers.api import RobotController
 from truepose_drivers.errors import DriverError
 

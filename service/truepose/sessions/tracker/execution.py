@@ -11,11 +11,11 @@ from truepose.sessions.engine.arm import Arm
 from truepose.sessions.engine.interlocks import binding_speed, speed_sentence
 from truepose.sessions.engine.ledger import Logbook
 from truepose.sessions.errors import ReadingRejectedError
-from truepose.sessions.tracker import plan as steps
+from truepose.sessions.tracker import steps as steps
+from truepose.sessions.tracker.camera_measurement import Poses
 from truepose.sessions.tracker.cell import AtRest, SessionCell
-from truepose.sessions.tracker.points import Points
-from truepose.sessions.tracker.poses import Poses
 from truepose.sessions.tracker.state import TrackerSituation
+from truepose.sessions.tracker.tracker_measurement import Points
 from truepose.sessions.tracker.tracking import TrackerIdentityCheck
 from truepose_drivers.api import (
     DeviceIdentity,

@@ -27,8 +27,8 @@ from truepose.sessions.errors import (
     ReadingRejectedError,
     SessionError,
 )
-from truepose.sessions.tracker.plan import Step, StepKind
 from truepose.sessions.tracker.state import TrackerSituation
+from truepose.sessions.tracker.steps import Step, StepKind
 from truepose_drivers.errors import (
     ConfigurationError,
     DeviceRefusedError,

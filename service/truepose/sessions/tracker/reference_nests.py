@@ -22,9 +22,9 @@ from truepose.messages.message import message
 from truepose.sessions.engine.ledger import Logbook
 from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError
 from truepose.sessions.tracker.cell import SessionCell
-from truepose.sessions.tracker.plan import FixedNestPhase, ReadFixedNest, StepKind
 from truepose.sessions.tracker.registration import nest_mean, register, scale_sentence, to_tracker, to_world
 from truepose.sessions.tracker.state import TrackerSituation
+from truepose.sessions.tracker.steps import FixedNestPhase, ReadFixedNest, StepKind
 from truepose.sessions.tracker.tracking import (
     CheckedTracker,
     standard_uncertainty_mm,

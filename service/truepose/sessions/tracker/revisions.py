@@ -13,8 +13,8 @@ from truepose.domain.session import SessionPlan, config_of
 from truepose.messages.message import Message, message
 from truepose.sessions.engine.commands import Act, ActName
 from truepose.sessions.errors import NotNowError, ReasonMissingError
-from truepose.sessions.tracker.plan import Step, StepKind
 from truepose.sessions.tracker.state import TrackerRecord
+from truepose.sessions.tracker.steps import Step, StepKind
 
 REVISIONS: Final = frozenset({ActName.SKIP, ActName.RETRY, ActName.BACK})
 _AGAIN: Final = {

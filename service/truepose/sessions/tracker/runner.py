@@ -30,11 +30,11 @@ from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, first_pass, motion_limits, what_lies_ahead
 from truepose.sessions.tracker.execution import Execution
 from truepose.sessions.tracker.faults import Line, lines_after
-from truepose.sessions.tracker.plan import KeepWorking, Move, Step, StepKind, extended_plan
+from truepose.sessions.tracker.reflector_monitor import Sighting, Watch
 from truepose.sessions.tracker.revisions import REVISIONS, revision
 from truepose.sessions.tracker.state import TrackerRecord, TrackerSituation, situation_of
+from truepose.sessions.tracker.steps import KeepWorking, Move, Step, StepKind, extended_plan
 from truepose.sessions.tracker.tracking import TrackerIdentityCheck
-from truepose.sessions.tracker.watching import Sighting, Watch
 from truepose_drivers.errors import DriverError
 
 _EFFECTS: Final = {

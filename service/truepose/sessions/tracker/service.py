@@ -26,9 +26,9 @@ from truepose.sessions.errors import NotNowError, PlanRefusedError
 from truepose.sessions.service import SessionDesk
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, motion_limits
-from truepose.sessions.tracker.plan import extended_plan
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.sessions.tracker.state import situation
+from truepose.sessions.tracker.steps import extended_plan
 from truepose.storage.ledger.additions import AddedStopsRepository
 from truepose.storage.ledger.entries import SessionLedger
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup

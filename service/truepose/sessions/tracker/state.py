@@ -27,11 +27,11 @@ from truepose.domain.session import (
     config_of,
 )
 from truepose.messages.message import Text
-from truepose.sessions.engine.identity import KnownDevice, same_number
+from truepose.sessions.engine.identity_check import KnownDevice, same_number
 from truepose.sessions.engine.progress import FINISHED, WAITS, Record
 from truepose.sessions.engine.unattended import RunsByItself
-from truepose.sessions.tracker import plan as plans
-from truepose.sessions.tracker.plan import Step, StepKind
+from truepose.sessions.tracker import steps as plans
+from truepose.sessions.tracker.steps import Step, StepKind
 from truepose.sessions.tracker.warm_up import warmth
 from truepose.validation.iso9283.drift import has_settled
 

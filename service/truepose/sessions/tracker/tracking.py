@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import IdentityOf, IdentityTaken, Registration, Vector
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity import accepted, same_number, sentence, told
+from truepose.sessions.engine.identity_check import accepted, same_number, sentence, told
 from truepose.sessions.engine.ledger import IdentityCheck
 from truepose.sessions.errors import (
     ForeignInstrumentError,

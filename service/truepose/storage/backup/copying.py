@@ -24,7 +24,7 @@ from truepose.messages.message import Text
 from truepose.storage.documents import to_document
 from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
 from truepose.storage.engine.files import make_alone, sync_folder
-from truepose.storage.engine.plain import missing_protection
+from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.errors import BackupError, DatabaseAddressError, NotFoundError
 from truepose.storage.integrity.head_hash import Head, newest_head

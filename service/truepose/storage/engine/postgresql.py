@@ -14,7 +14,6 @@ from sqlalchemy.exc import DBAPIError
 
 from truepose.storage.engine.address import database_file, parsed_url, shown
 from truepose.storage.engine.backend import READERS, Alone, Condition, DatabaseBackend, InDoubtError, Seen
-from truepose.storage.engine.plain import missing_protection
 from truepose.storage.engine.postgresql_connections import (
     ACCEPTED,
     REFUSED,
@@ -33,6 +32,7 @@ from truepose.storage.engine.postgresql_server import (
     settings_of,
     take_lock,
 )
+from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.schema import bring_up_to_date
 from truepose.storage.errors import DatabaseInUseError, ServerRefusedError, StorageError
 from truepose.storage.integrity.database_identity import IdentityFile, Left, has_link, newest_link

@@ -19,7 +19,7 @@ from sqlalchemy.exc import DatabaseError
 from truepose.storage.engine.address import database_file
 from truepose.storage.engine.backend import RESERVE_IN_USE, Alone, Condition, DatabaseBackend, Seen
 from truepose.storage.engine.files import make_alone, opened_alone
-from truepose.storage.engine.plain import missing_protection
+from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.schema import bring_up_to_date
 from truepose.storage.engine.sqlite_connections import (
     LIBRARY,

@@ -20,7 +20,7 @@ from typing import Any, Final
 
 from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
 from truepose.storage.engine.backend import Condition
-from truepose.storage.engine.plain import damaged_pages, missing_protection, numbers_given
+from truepose.storage.engine.raw_connection import damaged_pages, missing_protection, numbers_given
 from truepose.storage.engine.reading import lies_beside, opened_at, refused_by, require_answering
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.database_identity import IdentityFile, Left, digest, has_link

@@ -9,8 +9,8 @@ from truepose.domain.session import PlannedStop
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError
+from truepose.storage.record_insertion import add_event, add_row, answered, once
 from truepose.storage.records import AddedStops, AdditionRecord, RequestKey
-from truepose.storage.rows import add_event, add_row, answered, once
 from truepose.storage.tables import added_stops, closings
 
 _RESOURCE = "added stops"

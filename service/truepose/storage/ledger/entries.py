@@ -29,9 +29,9 @@ from truepose.storage.ledger.sessions import (
 )
 from truepose.storage.ledger.tracker_readings import add_fixed_nest, add_point
 from truepose.storage.queries import Part, part_of
+from truepose.storage.record_insertion import add_event, add_row
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.results.campaigns import in_cell
-from truepose.storage.rows import add_event, add_row
 from truepose.storage.tables import act_answers, readings, session_entries, sessions
 
 

@@ -16,8 +16,8 @@ from truepose.storage.engine.dialects import length_at
 from truepose.storage.engine.group_commit import Outcome
 from truepose.storage.errors import ConflictError, NotFoundError, UnfitReadingError
 from truepose.storage.queries import NumberedRecords
+from truepose.storage.record_insertion import add_row, add_rows
 from truepose.storage.records import Page
-from truepose.storage.rows import add_row, add_rows
 from truepose.storage.tables import deliveries, series
 
 _END: Final = deliveries.c.first + deliveries.c.count

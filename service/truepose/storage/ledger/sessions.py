@@ -28,9 +28,9 @@ from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.ledger.additions import additions_to, stops_added_to
 from truepose.storage.ledger.pose_counts import measured_poses, skipped_poses
 from truepose.storage.queries import NumberedRecords
+from truepose.storage.record_insertion import add_event, add_row, answered, once
 from truepose.storage.records import AdditionRecord, RequestKey, SessionRecord, SessionSetup, StateChange
 from truepose.storage.results.campaigns import in_cell, is_simulated, simulated_session
-from truepose.storage.rows import add_event, add_row, answered, once
 from truepose.storage.tables import (
     added_stops,
     events,

@@ -15,8 +15,8 @@ from truepose.domain.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.record_insertion import add_event, add_row
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
-from truepose.storage.rows import add_event, add_row
 from truepose.storage.tables import readings, session_entries
 
 Taken = TypeVar("Taken", PointTaken, FixedNestTaken)

@@ -17,7 +17,7 @@ from truepose.storage.database import Database
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, Outcome, Visit, VisitRecord
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal, plant_visits
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 
 def enter_cell(connection: Connection, name: str) -> None:

@@ -12,7 +12,7 @@ from truepose.domain.cell import Paper, Standing
 from truepose.storage.database import Database
 from truepose.storage.plant.records import Branch, CollectedLink
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_certificates
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 _DAY: Final = 10  # letters of a date at the beginning of a time

@@ -17,8 +17,8 @@ from truepose.storage.plant.cells import cell_number
 from truepose.storage.plant.records import HandDown, HandDownKind, HandDownRecord, HandDownState
 from truepose.storage.plant.tables import plant_cells, plant_hand_down_states, plant_hand_downs
 from truepose.storage.queries import Part
+from truepose.storage.record_insertion import add_row, once
 from truepose.storage.records import Page, RequestKey
-from truepose.storage.rows import add_row, once
 from truepose.storage.tables import hand_down_uses, handed_down, models
 
 

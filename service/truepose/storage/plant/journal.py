@@ -30,8 +30,8 @@ from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, CollectedLink, Outcome
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal
 from truepose.storage.queries import Part
+from truepose.storage.record_insertion import add_rows
 from truepose.storage.records import Page
-from truepose.storage.rows import add_rows
 
 # With a reader for each of 40 cells that were away the plant's first page came after 8 to 15 s (commit
 # b31a704e).

@@ -25,7 +25,7 @@ from sqlalchemy import Connection, Row, RowMapping, select
 
 from truepose.storage.database import Database
 from truepose.storage.engine.dialects import as_kept
-from truepose.storage.engine.plain import plain
+from truepose.storage.engine.raw_connection import plain
 from truepose.storage.errors import UnreadableRowError
 from truepose.storage.integrity.head_hash import Head, head_after
 from truepose.storage.tables import LARGE, links, metadata

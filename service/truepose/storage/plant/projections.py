@@ -23,7 +23,7 @@ from truepose.storage.plant.tables import (
     plant_robots,
     plant_sessions,
 )
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 _LOG: Final = logging.getLogger(__name__)

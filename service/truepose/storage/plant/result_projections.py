@@ -17,7 +17,7 @@ from truepose.storage.plant.cells import newest_row
 from truepose.storage.plant.certificates import add_certificates, stated_certificates
 from truepose.storage.plant.records import Branch, CollectedLink
 from truepose.storage.plant.tables import plant_results, plant_told
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]

@@ -10,8 +10,8 @@ from truepose.storage.documents import from_document, to_document
 from truepose.storage.engine.dialects import WHOLE, entries_at, is_object_at, length_at, truth_at
 from truepose.storage.errors import NotFoundError
 from truepose.storage.queries import NumberedRecords
+from truepose.storage.record_insertion import add_event, add_row, answered, once
 from truepose.storage.records import CampaignRecord, CampaignSummary, RequestKey
-from truepose.storage.rows import add_event, add_row, answered, once
 from truepose.storage.tables import campaigns, readings, session_entries, sessions
 
 _SIMULATED: Final = "$.cell.simulated"

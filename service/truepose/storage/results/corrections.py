@@ -12,10 +12,10 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document, unpack
 from truepose.storage.errors import NotFoundError
 from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.record_insertion import add_row
 from truepose.storage.records import CorrectionRecord, JobState, Page
 from truepose.storage.results.campaigns import simulated_campaign
 from truepose.storage.results.jobs import add_job_state
-from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, corrections, diagnoses, identifications, models
 
 T = TypeVar("T")

@@ -11,10 +11,10 @@ from truepose.domain.diagnosis import Diagnosis, Finding
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.record_insertion import add_row
 from truepose.storage.records import DiagnosisRecord, JobState, Page
 from truepose.storage.results.campaigns import Origin, simulated_campaign
 from truepose.storage.results.jobs import add_job_state
-from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, models
 
 _LISTED: Final = [column for column in diagnoses.c if column.name not in {"summary", "document"}]

@@ -12,8 +12,8 @@ from truepose.storage.database import Database
 from truepose.storage.documents import text_from, to_document
 from truepose.storage.errors import ConflictError
 from truepose.storage.queries import NumberedRecords
+from truepose.storage.record_insertion import add_event, add_row, once
 from truepose.storage.records import JobKind, JobRecord, JobState, JobTaken, RequestKey
-from truepose.storage.rows import add_event, add_row, once
 from truepose.storage.tables import events, job_states, jobs
 
 PROGRESS = "job.progress"

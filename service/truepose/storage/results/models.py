@@ -16,6 +16,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.ledger.sessions import add_note, add_session
 from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.record_insertion import add_row
 from truepose.storage.records import (
     IdentificationRecord,
     JobState,
@@ -26,7 +27,6 @@ from truepose.storage.records import (
 )
 from truepose.storage.results.campaigns import simulated_campaign
 from truepose.storage.results.jobs import add_job_state
-from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, identifications, models, validations
 
 

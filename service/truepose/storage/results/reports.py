@@ -8,7 +8,7 @@ from sqlalchemy import Connection, Row, desc, func, select
 
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError
-from truepose.storage.rows import add_row
+from truepose.storage.record_insertion import add_row
 from truepose.storage.tables import reports
 
 

@@ -13,11 +13,11 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import Field
 from starlette.datastructures import UploadFile
 
-from truepose.analysis.workers.file_tasks import MOST_TARGETS, TargetsFile
+from truepose.analysis.job_queue.file_tasks import MOST_TARGETS, TargetsFile
 from truepose.domain.correction import CorrectedTargets
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
-from truepose.exchange.programs.forms import Order
+from truepose.exchange.programs.pose_notation import Order
 from truepose.exchange.programs.program import Meant
 from truepose.exchange.results.corrections import CorrectionDocument, correction_of
 from truepose.exchange.results.document import Quantity

@@ -5,7 +5,7 @@ from typing import Any, Final
 from fastapi import Response
 from pydantic import Field
 
-from truepose.analysis.workers.queue import JobForecast
+from truepose.analysis.job_queue.queue import JobForecast
 from truepose.messages.message import message, together
 from truepose.storage.records import JobKind, JobRecord, JobState
 from truepose.web.context import Context, Here

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeAlias
 from fastapi import Response, status
 from pydantic import Field
 
-from truepose.analysis.workers.tasks import PlanTask, RepeatTask
+from truepose.analysis.job_queue.tasks import PlanTask, RepeatTask
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan

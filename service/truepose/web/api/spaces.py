@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import Field
 
-from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
+from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
 from truepose.domain.identification import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here

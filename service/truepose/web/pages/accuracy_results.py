@@ -14,7 +14,7 @@ from truepose.exchange.results.corrections import proof_document
 from truepose.exchange.results.validation import accuracy_document
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, message
-from truepose.sessions.engine.identity import same_number
+from truepose.sessions.engine.identity_check import same_number
 from truepose.storage.records import ModelRecord
 from truepose.web.api.sessions.schemas import MOST_STOPS
 from truepose.web.context import Context

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
-from truepose.analysis.workers.file_tasks import MOST_TARGETS
+from truepose.analysis.job_queue.file_tasks import MOST_TARGETS
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.records import CorrectionRecord

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.analysis.workers.tasks import held_out, stored_campaign
+from truepose.analysis.job_queue.tasks import held_out, stored_campaign
 from truepose.domain.errors import TrueposeError
 from truepose.domain.identification import Model
 from truepose.exchange.models.exports import FORMATS, Format, export

@@ -14,7 +14,7 @@ from truepose.domain.session import SessionPlan
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.documents import to_document
 from truepose.storage.records import SessionRecord
-from truepose.web.api.promises import Number, minutes_for
+from truepose.web.api.expected_accuracy import Number, minutes_for
 from truepose.web.context import Context
 from truepose.web.pages.rendering import Visit, Visited, Whole, pdf_response, render, render_part
 from truepose.web.resources import Id, while_present

@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.analysis.comparison import compare_over_time, dated
-from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
+from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
 from truepose.diagnosis.alarms import alarms
 from truepose.diagnosis.history import CauseOverTime
 from truepose.domain.errors import TrueposeError

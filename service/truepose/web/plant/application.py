@@ -11,11 +11,11 @@ from truepose.web.middleware.hosts import AllowedHosts, Proxies
 from truepose.web.pages import reference
 from truepose.web.pages.people import router as pages_of_people
 from truepose.web.pages.rendering import prepare
-from truepose.web.plant import cells, changes, fleet, hand_downs, inventory, lives, overview
+from truepose.web.plant import cells, changes, deployments, fleet, inventory, overview, robot_histories
 from truepose.web.plant.context import PlantContext
 
 _TEMPLATES = ("frame.html", "people/chip.html", "people/dialogue.html", "plant/")
-_RESOURCES = (cells, hand_downs, changes, inventory, sign_ins, people)
+_RESOURCES = (cells, deployments, changes, inventory, sign_ins, people)
 
 
 def create_plant_application(
@@ -35,7 +35,7 @@ def _routes() -> list[BaseRoute]:
         *(resource.router for resource in _RESOURCES),
         overview.router,
         fleet.router,
-        lives.router,
+        robot_histories.router,
         pages_of_people,
         reference.router,  # with the error pages to which problem documents lead
     )

@@ -8,13 +8,13 @@ from typing import Final, Literal
 from pydantic import Field
 
 from truepose.messages.catalogue import english
+from truepose.plant.calibration_due import latest_day
 from truepose.plant.changes import (
     CertificateEnded,
     RecordedChange,
     RobotChanged,
     certificates_ended,
 )
-from truepose.plant.due import latest_day
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import PlantResults, RobotMeasured
 from truepose.storage.plant.result_projections import ToldKind

@@ -9,9 +9,9 @@ from fastapi import Depends, Request
 from truepose.analysis.fleets.service import FleetService
 from truepose.analysis.page_services import Renderer
 from truepose.people.accounts import PeopleDesk
+from truepose.plant.calibration_due import DueAfter
 from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector
-from truepose.plant.due import DueAfter
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.caches import Comparisons
 from truepose.storage.database import Database

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from truepose.domain.cell import Standing
 from truepose.messages.message import message
-from truepose.plant.due import latest_day
+from truepose.plant.calibration_due import latest_day
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.queries import (

@@ -6,7 +6,7 @@ from datetime import date
 from typing import Final
 from urllib.parse import quote
 
-from truepose.plant.due import Evidence, Reason, RobotStatus, Why, latest_day, standing_robots
+from truepose.plant.calibration_due import Evidence, Reason, RobotStatus, Why, latest_day, standing_robots
 from truepose.storage.caches import Compared
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured

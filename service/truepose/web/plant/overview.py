@@ -11,8 +11,8 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell import Standing
+from truepose.plant.calibration_due import RobotStatus, Why, latest_day
 from truepose.plant.changes import RecordedChange, RobotChanged
-from truepose.plant.due import RobotStatus, Why, latest_day
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import RobotMeasured
 from truepose.storage.plant.records import Outcome, Visit

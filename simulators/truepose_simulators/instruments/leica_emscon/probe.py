@@ -23,7 +23,7 @@ from truepose_simulators.errors import BeamBrokenError, ScenarioError
 from truepose_simulators.faults.kinds import TrackerBlinded
 from truepose_simulators.instruments.accuracy import ProbeSetup, face_error_mm, noise_mm
 from truepose_simulators.instruments.leica_emscon.coordinates import Quantity
-from truepose_simulators.instruments.leica_emscon.measuring import (
+from truepose_simulators.instruments.leica_emscon.results import (
     coordinates,
     covariances,
     deviations,

@@ -10,7 +10,7 @@ from truepose_drivers.leica_emscon.protocol.settings import SystemParameter
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.leica_emscon.dialogue import Dialogue
+from truepose_simulators.instruments.leica_emscon.conversation import Dialogue
 from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp, Step, Steps, Wait
 
 _CHUNK_BYTES = 65_536

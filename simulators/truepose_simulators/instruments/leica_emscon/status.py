@@ -12,7 +12,7 @@ from truepose_drivers.leica_emscon.protocol import (
     Request,
     equipment,
 )
-from truepose_drivers.leica_emscon.protocol.exchanges import EXCHANGES
+from truepose_drivers.leica_emscon.protocol.command_members import EXCHANGES
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.leica_emscon.coordinates import Quantity
 from truepose_simulators.instruments.leica_emscon.parameters import SETTINGS

@@ -7,8 +7,8 @@ import pytest
 from tests.helpers.archive import ThisProcess, written_archive
 from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.archive import Archive, in_database
-from truepose.analysis.campaigns.assembly import summary_of
-from truepose.analysis.cluster.tasks import Cluster
+from truepose.analysis.campaigns.tracker import summary_of
+from truepose.analysis.parallel.tasks import Cluster
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign

@@ -7,7 +7,7 @@ import pytest
 from truepose.domain.people import Role
 from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.database import Database
-from truepose.storage.engine.plain import plain
+from truepose.storage.engine.raw_connection import plain
 from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import ConflictError
 from truepose.storage.integrity.verification import verify, verify_at

@@ -22,8 +22,8 @@ from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUse
 from truepose.storage.integrity.verification import verify_left, verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.record_insertion import add_row
 from truepose.storage.records import RequestKey
-from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, metadata, readings
 
 pytestmark = pytest.mark.engine("postgresql")
@@ -96,7 +96,7 @@ async def test_the_same_records_have_the_same_hashes_whichever_engine_they_were_
     written = []
     for url in (database_url, f"sqlite:///{tmp_path}/file.sqlite3"):
         database = Database(url)
-        monkeypatch.setattr("truepose.storage.rows.datetime", _Stopped)
+        monkeypatch.setattr("truepose.storage.record_insertion.datetime", _Stopped)
         await fill(database)
         written.append(await database.head())
         database.close()

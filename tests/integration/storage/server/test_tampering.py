@@ -7,7 +7,7 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError
-from truepose.storage.integrity.guard import Guard
+from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository

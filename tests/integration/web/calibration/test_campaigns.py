@@ -13,8 +13,8 @@ from tests.helpers.domain.builders import make_campaign
 from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
-from truepose.analysis.workers.tasks import stored_campaign
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.tasks import stored_campaign
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 CAMPAIGNS = "/api/v1/campaigns"

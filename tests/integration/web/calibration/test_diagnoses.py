@@ -7,7 +7,7 @@ from tests.helpers.domain.builders import make_campaign, make_robot
 from tests.helpers.web.clients import command
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.analysis.workers.tasks import stored_campaign
+from truepose.analysis.job_queue.tasks import stored_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.results.diagnosis import diagnosis_document
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
-from truepose.analysis.workers.tasks import DrawTask
+from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.domain.cell import SimulatedCell
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.messages.catalogue import catalogue

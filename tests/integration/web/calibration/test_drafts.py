@@ -8,9 +8,9 @@ import pytest
 
 from tests.helpers.web.pages import Page
 from tests.helpers.web.performing import perform_here
-from tests.unit.service.exchange.brought.tables import plain
+from tests.unit.service.exchange.import_wizard.tables import plain
 from truepose.analysis.drafts import DraftService
-from truepose.analysis.workers.uploads import Uploads
+from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.import_wizard.dialogue import ROLES
 from truepose.exchange.import_wizard.headings import QUANTITIES
 from truepose.identification.verdict.conventions import KINDS

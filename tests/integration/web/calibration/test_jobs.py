@@ -10,8 +10,8 @@ import pytest
 from tests.helpers.domain.builders import make_campaign, make_points
 from tests.helpers.web.clients import served
 from truepose.analysis.errors import WorkerDiedError
-from truepose.analysis.workers.process import TaskRefusedError
-from truepose.analysis.workers.tasks import (
+from truepose.analysis.job_queue.supervisor import TaskRefusedError
+from truepose.analysis.job_queue.tasks import (
     CirclePlanTask,
     IdentifyTask,
     PlanTask,

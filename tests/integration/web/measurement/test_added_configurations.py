@@ -7,7 +7,7 @@ from tests.helpers.web.clients import command
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.analysis.workers.tasks import stored_campaign
+from truepose.analysis.job_queue.tasks import stored_campaign
 
 SESSIONS = "/api/v1/sessions"
 MORE = {

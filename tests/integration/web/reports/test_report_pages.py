@@ -9,7 +9,7 @@ from tests.helpers.domain.builders import make_campaign
 from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.analysis.workers.tasks import DrawTask
+from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 

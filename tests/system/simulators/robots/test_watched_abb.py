@@ -10,9 +10,9 @@ import pytest
 from tests.contract.benches import in_memory
 from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot
 from truepose_drivers.abb_rws.companion import RwsCompanion
+from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.protocol import ControllerState, OperationMode
-from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError, NotInitialisedError

@@ -13,7 +13,7 @@ from tests.studies.diagnosis_report.planted.cases import FOR_INFORMATION, REALIS
 from tests.studies.diagnosis_report.study import trial_of
 from tests.studies.diagnosis_report.trials import Trial, record_trial, run_trials
 from tests.studies.diagnosis_report.workers import outcomes_of
-from truepose.analysis.cluster.workers import workers
+from truepose.analysis.parallel.local_pool import workers
 
 
 def bad_readings(seed, size=50):

@@ -6,7 +6,7 @@ import sys
 from tests.contract.devices.machines import Controller, HandsOfPerson
 from tests.studies.hardening.hostile_wires import main
 from truepose_drivers.contract import hostile
-from truepose_drivers.contract.spoiling import GENERAL
+from truepose_drivers.contract.wire_faults import GENERAL
 
 
 def test_a_study_has_right_and_refused_answers():

@@ -13,7 +13,7 @@ from tests.helpers.machine import PSEUDO_TERMINALS
 from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DriverError, RemoteProtocolError
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges, gauge_settings
+from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges, gauge_settings
 from truepose_drivers.mitutoyo_eh.driver import PLUGIN as EH
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
 from truepose_drivers.mitutoyo_eh.protocol import ENDS

@@ -26,6 +26,7 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.leica_emscon.error_codes import error_for
 from truepose_drivers.leica_emscon.instrument import TimeOuts
 from truepose_drivers.leica_emscon.protocol import (
     Answer,
@@ -37,7 +38,6 @@ from truepose_drivers.leica_emscon.protocol import (
     ResultStatus,
     encode,
 )
-from truepose_drivers.leica_emscon.refusals import error_for
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time

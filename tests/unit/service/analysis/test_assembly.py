@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
-from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
+from truepose.analysis.campaigns.tracker import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import Campaign
 from truepose.domain.cell import Camera, Conditions, DeviceEntry, SimulatedCell

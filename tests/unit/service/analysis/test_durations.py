@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.analysis.workers.scheduling import expected_s, outlook
+from truepose.analysis.job_queue.scheduling import expected_s, outlook
 from truepose.storage.records import JobKind, JobTaken
 
 KIND = JobKind.IDENTIFICATION

@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from truepose.analysis.workers.scheduling import Places
+from truepose.analysis.job_queue.scheduling import Places
 
 SHORT, LONG = 1.0, 100.0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
-from truepose.analysis.campaigns.assembly import MeasuredSession
+from truepose.analysis.campaigns.tracker import MeasuredSession
 from truepose.analysis.predicted_accuracy import promise_of_cell, promise_of_session
 from truepose.domain.session import PointTaken
 from truepose.kinematics.chain import nominal_chain

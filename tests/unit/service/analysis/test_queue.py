@@ -5,8 +5,8 @@ import itertools
 
 import pytest
 
-from truepose.analysis.workers import queue as queueing
-from truepose.analysis.workers.queue import JobQueue, Work
+from truepose.analysis.job_queue import queue as queueing
+from truepose.analysis.job_queue.queue import JobQueue, Work
 from truepose.messages.catalogue import english
 from truepose.storage.errors import ConflictError, ServerAwayError, StorageUnavailableError
 from truepose.storage.records import JobKind, JobState

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.analysis.workers.tasks import PlanTask, PosePlanTask, held_out
+from truepose.analysis.job_queue.tasks import PlanTask, PosePlanTask, held_out
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.workspace.space import (

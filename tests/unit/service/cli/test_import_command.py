@@ -9,7 +9,7 @@ import pytest
 
 from tests.helpers.checkout import CHECKOUT
 from tests.helpers.exchange.workbooks import workbook
-from tests.unit.service.exchange.brought.tables import plain, readings, table
+from tests.unit.service.exchange.import_wizard.tables import plain, readings, table
 from truepose.cli.imports import LengthUnit, import_command
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign

@@ -27,7 +27,7 @@ from truepose.effects.ports import (
     Trait,
 )
 from truepose.effects.registry import EFFECTS, goes_on
-from truepose.effects.unnamed.cause import OWN
+from truepose.effects.unclassified.cause import OWN
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 

@@ -6,7 +6,7 @@ from truepose.effects.ports import Telling, Trait
 from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
-from truepose.identification.problem.setting import outline, setting_of
+from truepose.identification.problem.problem_setup import outline, setting_of
 from truepose.messages.catalogue import english
 
 

@@ -18,8 +18,8 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES, needs_of
-from truepose.effects.unnamed.cause import KINDS
-from truepose.effects.unnamed.kinds import key_of
+from truepose.effects.unclassified.cause import KINDS
+from truepose.effects.unclassified.kinds import key_of
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build

@@ -17,7 +17,7 @@ from truepose.fleet.predicted_accuracy import lacking_mm, promise
 from truepose.fleet.sentences import new_robot_said
 from truepose.identification.problem.build import JointPrior
 from truepose.messages.catalogue import english
-from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock

@@ -9,7 +9,7 @@ import pytest
 import truepose
 import truepose_drivers
 from tests.helpers.words.translations import texts
-from truepose.analysis.workers.process import TaskRefusedError
+from truepose.analysis.job_queue.supervisor import TaskRefusedError
 from truepose.domain.errors import TrueposeError
 from truepose.messages.catalogue import LANGUAGES
 from truepose.messages.error_codes import _CODES, CODES, code_of

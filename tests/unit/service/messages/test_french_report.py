@@ -12,11 +12,11 @@ from tests.helpers.words.english import FUNCTION_WORDS, NOUNS, english_in
 from tests.helpers.words.translations import every_text, without_blanks
 from truepose.cli.diagnosis_text import diagnosis_lines
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.screening.smooth_families import families
+from truepose.diagnosis.screening.smooth_functions import families
 from truepose.domain.diagnosis import Shape
 from truepose.effects.registry import CAUSES, EFFECTS
 from truepose.effects.signatures import amplitude_of, named_signature, plural_of, signature_of
-from truepose.effects.unnamed.cause import OWN
+from truepose.effects.unclassified.cause import OWN
 from truepose.messages.catalogue import catalogue
 from truepose.reports.diagnosis.report import DiagnosisReport
 

@@ -49,7 +49,7 @@ def test_nothing_heavy_is_loaded_before_it_is_used(code):
 
 
 def test_a_worker_starts_without_the_notebook():
-    loaded = _loaded_after("import truepose.analysis.workers.process")
+    loaded = _loaded_after("import truepose.analysis.job_queue.supervisor")
 
     assert {"matplotlib", "pandas", "truepose.notebook", "truepose.reports"}.isdisjoint(loaded)
 

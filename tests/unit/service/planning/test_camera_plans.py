@@ -7,7 +7,7 @@ import pytest
 
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.robots_and_cells import of_cell
 from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.tracker.plans import nominal_campaign, plan_calibration, scaled_jacobians
 from truepose.planning.workspace.candidates import draw_candidates

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from truepose.exchange.cells.file import cell_given
-from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.robots_and_cells import of_cell
 from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.workspace.space import are_loaded_one_way
 

@@ -23,7 +23,7 @@ from truepose.planning.workspace.bodies import (
     what_blocks_a_way,
     what_to_watch,
 )
-from truepose.sessions.tracker.plan import Move, visit
+from truepose.sessions.tracker.steps import Move, visit
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
 STATED = replace(CELL, limits=CellLimits(floor_z_mm=0.0))

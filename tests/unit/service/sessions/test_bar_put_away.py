@@ -7,7 +7,7 @@ import pytest
 from tests.helpers.ballbar.cells import domain_cell
 from truepose.domain.cell import BallbarKit, DeviceEntry
 from truepose.domain.ledger import BALLBAR_ON
-from truepose.sessions.ballbar.removal import BarPutAway
+from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.devices import MountedDevice, Rack
 from truepose.sessions.engine.commands import Act, ActName
 from truepose.sessions.errors import NotNowError

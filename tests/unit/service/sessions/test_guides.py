@@ -14,8 +14,8 @@ from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import PlannedStop, SessionState, stop_id
 from truepose.sessions.engine.commands import ActName
 from truepose.sessions.guide.guide import Fixed, standing
+from truepose.sessions.guide.reading_tables import sheet_of
 from truepose.sessions.guide.scene import guided_scene
-from truepose.sessions.guide.sheet import sheet_of
 from truepose.storage.records import SessionSetup
 
 PLAN = make_plan(5, reference_every=2, registration_readings=2, warm_up=True)

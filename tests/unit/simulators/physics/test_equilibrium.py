@@ -4,8 +4,8 @@ import pytest
 from tests.unit.simulators.physics.circumstances import stops
 from truepose_simulators.physics.arm import place_bodies
 from truepose_simulators.physics.effects import Deflection
-from truepose_simulators.physics.plant import NoEquilibriumError, Plant, find_rest
 from truepose_simulators.physics.rigid import move
+from truepose_simulators.physics.true_robot import NoEquilibriumError, Plant, find_rest
 
 NESTS_MM = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])
 

@@ -5,7 +5,7 @@ from tests.unit.simulators.model_documents import AT_THE_WORLD, robot_document
 from truepose_simulators.errors import ModelError
 from truepose_simulators.physics.effects import Conditions
 from truepose_simulators.physics.identified import realise
-from truepose_simulators.physics.plant import find_rest
+from truepose_simulators.physics.true_robot import find_rest
 
 # Each row is about an effect and a parameter that its physics has no meaning for.
 STRANGE = [

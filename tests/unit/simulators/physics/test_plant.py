@@ -1,7 +1,7 @@
 import numpy as np
 
-from truepose_simulators.physics.plant import PlantSizes, draw_compliances, draw_motions
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.true_robot import PlantSizes, draw_compliances, draw_motions
 
 ARM = ARMS["irb120"]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Final, get_args
 
 from truepose.exchange.errors import MissingEntryError
-from truepose.exchange.programs.draft import ARC, COMPUTED, RELATIVE, Draft
-from truepose.exchange.programs.forms import INCHES, MILLIMETRES, Order, turns_in_degrees
+from truepose.exchange.programs.parsed_program import ARC, COMPUTED, RELATIVE, Draft
+from truepose.exchange.programs.pose_notation import INCHES, MILLIMETRES, Order, turns_in_degrees
 from truepose.exchange.programs.program import Form, Frame, Number, Path, Pose, ProgramTarget, Written
 from truepose.messages.message import Message, message
 

@@ -10,8 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, RELATIVE, Draft
-from truepose.exchange.programs.forms import degrees_of_joints, millimetres, turns_in_degrees
+from truepose.exchange.programs.parsed_program import (
+    ARC,
+    CHOSEN,
+    COMPUTED,
+    DISPLACED,
+    ELSEWHERE,
+    RELATIVE,
+    Draft,
+)
+from truepose.exchange.programs.pose_notation import degrees_of_joints, millimetres, turns_in_degrees
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,

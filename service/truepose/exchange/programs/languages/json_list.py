@@ -12,8 +12,8 @@ from typing import Final
 
 from truepose.exchange.document import Node, json_document
 from truepose.exchange.json_text import KeyPath
-from truepose.exchange.programs.draft import Draft
-from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, QUATERNION, is_orientation
+from truepose.exchange.programs.parsed_program import Draft
+from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, QUATERNION, is_orientation
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,

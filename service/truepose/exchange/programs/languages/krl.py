@@ -7,7 +7,8 @@ Source: KUKA System Software, Operating and Programming Instructions for System 
 from collections.abc import Sequence
 from typing import Final
 
-from truepose.exchange.programs.draft import (
+from truepose.exchange.programs.languages.krl_data import NAMES, Data, Which, bracket, target, whole
+from truepose.exchange.programs.parsed_program import (
     ARC,
     CHOSEN,
     COMPUTED,
@@ -20,7 +21,6 @@ from truepose.exchange.programs.draft import (
     Step,
     set_within,
 )
-from truepose.exchange.programs.languages.krl_data import NAMES, Data, Which, bracket, target, whole
 from truepose.exchange.programs.program import Frame, Path, Source
 from truepose.exchange.programs.tokens import (
     Language,

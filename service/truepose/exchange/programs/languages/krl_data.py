@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
-from truepose.exchange.programs.controllers import whole_number
-from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, HOLDS_WORK, Chosen, Draft, InUse
-from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
+from truepose.exchange.programs.controller_rules import whole_number
+from truepose.exchange.programs.parsed_program import COMPUTED, ELSEWHERE, HOLDS_WORK, Chosen, Draft, InUse
+from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, Chosen, Draft
 from truepose.exchange.programs.languages.rapid_data import (
     JOINTTARGET,
     ROBTARGET,
@@ -20,6 +19,15 @@ from truepose.exchange.programs.languages.rapid_data import (
     target,
     tool,
     work_object,
+)
+from truepose.exchange.programs.parsed_program import (
+    ARC,
+    CHOSEN,
+    COMPUTED,
+    DISPLACED,
+    ELSEWHERE,
+    Chosen,
+    Draft,
 )
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame, Path
 from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, parts, shown

@@ -11,7 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, QUATERNION, is_orientation, placed
+from truepose.exchange.programs.pose_notation import (
+    JOINT_DEGREES,
+    MILLIMETRES,
+    QUATERNION,
+    is_orientation,
+    placed,
+)
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from truepose.domain.correction import place
-from truepose.exchange.programs.draft import (
+from truepose.exchange.programs.parsed_program import (
     ARC,
     CHOSEN,
     COMPUTED,
@@ -20,7 +20,7 @@ from truepose.exchange.programs.draft import (
     Step,
     set_within,
 )
-from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR
+from truepose.exchange.programs.pose_notation import JOINT_RADIANS, METRES, ROTATION_VECTOR
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from truepose.exchange.programs.draft import Draft
-from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES, placed
+from truepose.exchange.programs.parsed_program import Draft
+from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES, placed
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,

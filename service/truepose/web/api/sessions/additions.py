@@ -4,8 +4,8 @@ from pydantic import Field
 
 from truepose.messages.message import message, together
 from truepose.planning.tracker.additions import Addition, WantedStop
-from truepose.sessions.tracker.plan import numbers
 from truepose.sessions.tracker.service import WantedStops
+from truepose.sessions.tracker.steps import numbers
 from truepose.web.api.sessions.schemas import AngleDeg, SessionReply, StopReply
 from truepose.web.middleware.language import Said, in_words
 from truepose.web.schemas import Number, PersonName, Reply, Request, example

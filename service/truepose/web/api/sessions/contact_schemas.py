@@ -6,7 +6,7 @@ from pydantic import Field
 
 from truepose.domain.contacts import ContactPlan, Loop, Target, TargetDistance, TargetKind
 from truepose.domain.session import Role
-from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.contacts.plan_request import ContactWish
 from truepose.web.api.sessions.schemas import Component, LengthMm
 from truepose.web.middleware.language import Said
 from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, Number, Reply, Request, example

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from truepose.sessions.guide.guide import Guide, Kind, StepName
+from truepose.sessions.guide.reading_tables import Sheet, Status
 from truepose.sessions.guide.scene import GuidedScene, WhyHidden
-from truepose.sessions.guide.sheet import Sheet, Status
 from truepose.web.api.sessions.schemas import ProgressReply
 from truepose.web.api.sessions.situations import (
     IdentityReply,

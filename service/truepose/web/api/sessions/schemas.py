@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from truepose.analysis.workers.tasks import CirclePlanTask, PosePlanTask
+from truepose.analysis.job_queue.tasks import CirclePlanTask, PosePlanTask
 from truepose.domain.cell import Cell
 from truepose.domain.session import Measured, PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
 from truepose.storage.records import SessionSetup

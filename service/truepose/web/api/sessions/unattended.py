@@ -5,15 +5,15 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 from truepose.analysis.campaigns.contacts import taken_of
-from truepose.analysis.workers.tasks import ContactPlanTask, PlanTask
+from truepose.analysis.job_queue.tasks import ContactPlanTask, PlanTask
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.messages.message import Text
 from truepose.sessions.contact.dry_run import minutes_of
 from truepose.sessions.contact.service import ContactSessions
 from truepose.sessions.contact.state import Question, asked
+from truepose.sessions.tracker.reflector_monitor import Sighting
 from truepose.sessions.tracker.service import TrackerSessions, judged
-from truepose.sessions.tracker.watching import Sighting
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionSetup
 from truepose.web.api.sessions.contact_schemas import (

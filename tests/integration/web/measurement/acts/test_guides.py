@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import session_request
-from truepose.analysis.workers.accuracy_tasks import ExpectedAccuracy, Outlook
+from truepose.analysis.job_queue.accuracy_tasks import ExpectedAccuracy, Outlook
 
 ADA = {"person": "Ada Byron", "tablet": "tablet-1"}
 

@@ -6,7 +6,12 @@ import pytest
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 
-from tests.integration.web.door.test_openapi import OPERATIONS, api, assert_answered_as_documented, connection
+from tests.integration.web.middleware.test_openapi import (
+    OPERATIONS,
+    api,
+    assert_answered_as_documented,
+    connection,
+)
 
 __all__ = ["api", "connection"]  # fixtures
 ENOUGH = 6  # of each kind, each operation, each run

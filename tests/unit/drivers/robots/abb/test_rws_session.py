@@ -6,6 +6,7 @@ import json
 import pytest
 
 from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import (
     LONGEST_BODY_BYTES,
     Challenge,
@@ -16,7 +17,6 @@ from truepose_drivers.abb_rws.http import (
     encode_response,
     is_let_in,
 )
-from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 

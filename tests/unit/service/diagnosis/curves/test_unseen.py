@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, make_selected, planted
 from tests.helpers.identification.synthetic import configurations
+from truepose.diagnosis.baseline_fit import started
 from truepose.diagnosis.curves import curve_with_unseen, finding_curve, unseen_of
-from truepose.diagnosis.start import started
 
 EFFECTS = {"joint_gain": {"gain_4": 1e-3}, "backlash": {"gap_2": np.deg2rad(0.02)}}
 UNSEEN = 40

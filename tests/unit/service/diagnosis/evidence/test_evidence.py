@@ -6,11 +6,11 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.evidence.signature_functions import described
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.significance import most_likely
-from truepose.diagnosis.start import scene_of
 from truepose.effects.signatures import signature_of
 from truepose.identification.model.evaluation import Targets, evaluate
 

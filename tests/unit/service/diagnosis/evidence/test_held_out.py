@@ -9,12 +9,12 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
+from truepose.diagnosis.baseline_fit import scene_of, started
 from truepose.diagnosis.diagnose import proposed as every_cause
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import chosen, grouped
-from truepose.diagnosis.start import scene_of, started
 from truepose.identification.fit.robust import fit
 from truepose.identification.observations.poses import position_block
 

@@ -12,7 +12,7 @@ from truepose.diagnosis.evidence.residual_structure import (
     structured,
 )
 from truepose.diagnosis.screening.normal_equations import normal_of
-from truepose.diagnosis.screening.smooth_families import families, terms_of
+from truepose.diagnosis.screening.smooth_functions import families, terms_of
 
 DRAWS = 40
 LEVEL = 0.05

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.evidence.sensitivities import CompleteModel, effect_of, worth_of
 from truepose.diagnosis.evidence.signature_functions import described
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import names_of, refitted
-from truepose.diagnosis.start import scene_of
 
 CURVE = {
     f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")

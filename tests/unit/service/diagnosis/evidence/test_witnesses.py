@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
+from truepose.diagnosis.baseline_fit import Start, started
 from truepose.diagnosis.evidence.residual_structure import accused, speak_against
-from truepose.diagnosis.start import Start, started
 from truepose.domain.diagnosis import Cause
 from truepose.effects.causes import ErrorSignature
 from truepose.identification.fit.robust import robust_fit

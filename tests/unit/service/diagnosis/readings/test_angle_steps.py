@@ -9,8 +9,8 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
 from truepose.diagnosis.angle_steps import step_of
+from truepose.diagnosis.baseline_fit import Start, started
 from truepose.diagnosis.sentences import remaining_sentence
-from truepose.diagnosis.start import Start, started
 from truepose.messages.catalogue import english
 
 N = 100

@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, planted, select_from
+from truepose.diagnosis.baseline_fit import scene_of, started
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import reselected
 from truepose.diagnosis.screening.significance import screen
-from truepose.diagnosis.start import scene_of, started
 from truepose.effects.registry import CAUSES
 from truepose.messages.catalogue import english
 

@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.refinement import with_exact_moments
 from truepose.diagnosis.screening.selection import Selection, refitted
-from truepose.diagnosis.start import scene_of
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 

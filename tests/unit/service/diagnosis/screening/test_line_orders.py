@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.screening.refinement import with_known_orders, with_lines_between
-from truepose.diagnosis.start import scene_of
 from truepose.domain.diagnosis import Detail
 from truepose.effects.registry import CAUSES
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import best_of, chosen, refitted, reselected, select
 from truepose.diagnosis.screening.significance import Screening
-from truepose.diagnosis.start import scene_of
 
 BACKLASH = {"gap_3": 4e-4}
 

@@ -14,7 +14,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
 )
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
-from truepose.exchange.programs.rewriting import rewritten
+from truepose.exchange.programs.number_replacement import rewritten
 
 TARGET = "[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
 FANUC_HEAD = "/PROG M\n/MN\n/POS\n"

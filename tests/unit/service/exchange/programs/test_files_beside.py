@@ -5,8 +5,8 @@ import pytest
 from tests.helpers.exchange.robot_programs import KRL, KRL_DATA, named, reasons, without_numbers
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.formats import read_program
+from truepose.exchange.programs.number_replacement import rewritten
 from truepose.exchange.programs.program import Frame, Motion, Pose
-from truepose.exchange.programs.rewriting import rewritten
 from truepose.messages.catalogue import english
 
 POINTS = b"""DEFDAT ROW

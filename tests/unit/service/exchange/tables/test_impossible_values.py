@@ -10,7 +10,7 @@ from truepose.exchange.document import json_document, toml_document
 from truepose.exchange.errors import BadValueError, UnreadableFileError
 from truepose.exchange.quantities import limits_of
 from truepose.exchange.tables.rows import MOST_ROWS
-from truepose.exchange.tables.table import Column, read_table
+from truepose.exchange.tables.table_reader import Column, read_table
 
 
 def files_of(campaign=None):

@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.leg_scenes import telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.identification import Parameter
 from truepose.identification import identify, judge, predict, unpredictable, unpredictable_readings
-from truepose.identification.model.unknown_conditions import Span, span_of
+from truepose.identification.model.missing_input_uncertainty import Span, span_of
 from truepose.messages.catalogue import english
 
 ARM = ("base", "geometry")

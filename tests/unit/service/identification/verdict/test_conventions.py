@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.identification.problem.placement import PriorPlacement
+from truepose.identification.problem.initial_frames import PriorPlacement
 from truepose.identification.verdict.conventions import (
     Evidence,
     Interpretation,

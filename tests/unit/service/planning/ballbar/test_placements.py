@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
-from truepose.planning.ballbar.choice import candidates, known_after
-from truepose.planning.ballbar.information import arm_model, predicted_error_mm, work_space_sample
+from truepose.planning.ballbar.expected_information import arm_model, predicted_error_mm, work_space_sample
 from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.pose_selection import candidates, known_after
 from truepose.planning.ballbar.poses import setups
 from truepose.planning.errors import TooFewCandidatesError
 

@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.clearance import is_clear
-from truepose.planning.ballbar.information import arm_model, of_poses, pose_rows
+from truepose.planning.ballbar.expected_information import arm_model, of_poses, pose_rows
 from truepose.planning.ballbar.paths import between
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for

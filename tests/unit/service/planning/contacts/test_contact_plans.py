@@ -11,7 +11,7 @@ from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.contacts.plan_request import ContactWish
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 

@@ -11,10 +11,10 @@ from truepose.domain.campaign import TargetDistances
 from truepose.domain.contacts import Target, TargetKind
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import cell_given
+from truepose.planning.contacts.loop_configurations import LoopWish, draw_stands
 from truepose.planning.contacts.loop_prediction import promised_loop
-from truepose.planning.contacts.loop_stands import LoopWish, draw_stands
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
-from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.robots_and_cells import of_cell
 from truepose.planning.workspace.space import nominal_chain
 
 SPACE = of_cell(cell_given("lrmate-tilted")).space

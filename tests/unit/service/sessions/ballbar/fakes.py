@@ -15,8 +15,8 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.assignments import Judges
 from truepose.sessions.ballbar.cell import BallbarCell
+from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import Act, ActName, ActOutcome

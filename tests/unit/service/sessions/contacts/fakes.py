@@ -9,7 +9,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan, Target, TargetKind
 from truepose.domain.robot import FramePlacement
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.contacts.plan_request import ContactWish
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose_drivers.api import BallbarReading, DeviceIdentity

@@ -4,7 +4,7 @@ import pytest
 
 from truepose.domain.session import IdentityTaken
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.identity import KnownDevice, accepted, judge, sentence
+from truepose.sessions.engine.identity_check import KnownDevice, accepted, judge, sentence
 
 A, B, C = "390003", "777777", "391111"
 

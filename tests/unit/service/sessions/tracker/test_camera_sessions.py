@@ -19,8 +19,8 @@ from truepose.kinematics.frames import (
 )
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.errors import PlanRefusedError
+from truepose.sessions.tracker.camera_measurement import stated_place
 from truepose.sessions.tracker.dry_run import check_plan, dry_run
-from truepose.sessions.tracker.poses import stated_place
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_drivers.api import DeviceIdentity, PoseReading
 from truepose_drivers.errors import ArtefactNotSeenError, ConnectionLostError

@@ -9,8 +9,8 @@ from truepose.domain.session import SessionState, stop_id
 from truepose.sessions.engine.runner import is_interruption
 from truepose.sessions.errors import AttentionNeededError, MotionForbiddenError, PlanRefusedError
 from truepose.sessions.tracker.faults import lines_after
-from truepose.sessions.tracker.plan import StepKind, visit
 from truepose.sessions.tracker.state import situation, steps
+from truepose.sessions.tracker.steps import StepKind, visit
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,

@@ -3,7 +3,7 @@
 import struct
 
 from truepose_drivers.leica_emscon.protocol import FrameReader, decode_request, encode
-from truepose_simulators.instruments.leica_emscon.dialogue import Dialogue
+from truepose_simulators.instruments.leica_emscon.conversation import Dialogue
 from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp, Wait
 from truepose_simulators.instruments.tracker import seen_from
 

@@ -6,8 +6,8 @@ import pytest
 from tests.unit.simulators.physics.circumstances import stops
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import PlantedChange, Site, plant_effect
-from truepose_simulators.physics.plant import Plant, find_rest
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.true_robot import Plant, find_rest
 
 ARM = ARMS["irb120"]
 SPRINGS = np.array(ARM.typical_compliance_rad_per_n_mm)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from truepose.domain.errors import ConfigurationError
-from truepose.planning.ballbar.aiming import SPAN_MM, coded_lengths
+from truepose.planning.ballbar.length_targets import SPAN_MM, coded_lengths
 
 
 def test_six_legs_have_the_levels_of_seven_tenths_in_steps_of_028():

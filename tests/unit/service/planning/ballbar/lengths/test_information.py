@@ -5,14 +5,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import base_fixture
-from truepose.planning.ballbar.choice import (
-    candidates,
-    choose,
-    exchanged_for_error,
-    known_after,
-    least_error_first,
-)
-from truepose.planning.ballbar.information import (
+from truepose.planning.ballbar.expected_information import (
     Scatter,
     arm_model,
     error_weight,
@@ -23,6 +16,13 @@ from truepose.planning.ballbar.information import (
     setting_information,
     with_placement,
     work_space_sample,
+)
+from truepose.planning.ballbar.pose_selection import (
+    candidates,
+    choose,
+    exchanged_for_error,
+    known_after,
+    least_error_first,
 )
 from truepose.planning.ballbar.poses import setups
 

@@ -7,7 +7,7 @@ from tests.unit.service.sessions.ballbar.sessions import LEGS, found, make_plan,
 from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import EntryKind
-from truepose.sessions.ballbar.assignments import Judges
+from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.engine.commands import ActName
 from truepose.sessions.errors import (
     NotNowError,

@@ -1,0 +1,171 @@
+"""A worker process as the service sees it: waited for in turn, started, listened to, killed."""
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import sys
+from collections import deque
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import Any, Protocol, cast
+
+from truepose.analysis.errors import AnalysisError, BusyError, WorkerDiedError
+from truepose.analysis.job_queue.pipe import (
+    LENGTH_BYTES,
+    TaskAnswer,
+    TaskProgress,
+    TaskRefusal,
+    body_length,
+    packed,
+    unpacked,
+)
+from truepose.analysis.job_queue.tasks import Answer, Task
+from truepose.messages.message import Message, Text, message
+from truepose.processes import in_own_group, kill_group
+from truepose.start import ONE_THREAD
+
+
+class Turns:
+    """Lets `at_once` in, lets `waiting` wait for at most `patience_s`, and sends all others away."""
+
+    def __init__(self, *, at_once: int, waiting: int, patience_s: float) -> None:
+        self._most = at_once + waiting
+        self._patience_s = patience_s
+        self._places = asyncio.Semaphore(at_once)
+        self._present = 0
+
+    @contextlib.asynccontextmanager
+    async def taken(self) -> AsyncIterator[None]:
+        """Wait for a turn and hold it; raises BusyError."""
+        if self._present >= self._most:
+            raise BusyError(message("refused.busy"))
+        self._present += 1
+        try:
+            async with contextlib.AsyncExitStack() as held:
+                await self._wait(held)
+                yield
+        finally:
+            self._present -= 1
+
+    async def _wait(self, held: contextlib.AsyncExitStack) -> None:
+        try:
+            async with asyncio.timeout(self._patience_s):
+                await held.enter_async_context(self._places)
+        except TimeoutError as error:
+            raise BusyError(message("refused.busy")) from error
+
+
+_LOG = logging.getLogger(__name__)
+Told = Callable[[float, Text], Awaitable[None]]
+_COMMAND = (sys.executable, "-m", "truepose.analysis.job_queue.worker")
+_MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
+_DYING_S = 2.0
+_LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
+
+
+class Perform(Protocol):
+    """Performs a task somewhere else; cancelling it stops the work."""
+
+    async def __call__(self, task: Task, told: Told) -> Answer:
+        """Return the answer; raises TaskRefusedError or WorkerDiedError."""
+        ...
+
+
+class TaskRefusedError(AnalysisError):
+    """The worker answered with a sentence instead of a result."""
+
+    def __init__(self, sentence: Text, code: str = "") -> None:
+        super().__init__(sentence)
+        self.code = code  # of the error in the worker; none: it has that of this one
+
+
+async def perform_in_worker(
+    task: Task, told: Told, command: tuple[str, ...] = _COMMAND, *, memory_bytes: int | None = None
+) -> Answer:
+    """Perform `task` in a process of its own and return its answer.
+
+    Cancelling the coroutine kills the process and its children. `told` receives the progress. The process
+    may take `memory_bytes`, by default a third of what the computer has.
+
+    Raises
+    ------
+    TaskRefusedError
+        The task cannot be done; the text is the worker's sentence.
+    WorkerDiedError
+        The process ended without an answer.
+    """
+    pipe = asyncio.subprocess.PIPE
+    try:
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            str(memory_bytes or _a_third_of_all()),
+            stdin=pipe,
+            stdout=pipe,
+            stderr=pipe,
+            env=os.environ | ONE_THREAD,
+            **in_own_group(),
+        )
+    except OSError as error:
+        raise WorkerDiedError(message("job.no_process", why=str(error))) from error
+    _LOG.info("worker %d has begun: %s", process.pid, type(task).__name__)
+    log: deque[str] = deque(maxlen=_LOG_LINES)
+    listening = asyncio.create_task(_keep_log(process, log))
+    try:
+        return await _converse(process, task, told)
+    except (asyncio.IncompleteReadError, ConnectionError) as error:
+        # The end of the pipe comes a moment before the end of the process, and of its last words.
+        await asyncio.wait({asyncio.create_task(process.wait()), listening}, timeout=_DYING_S)
+        raise WorkerDiedError(_obituary(process, log)) from error
+    finally:
+        kill_group(process)
+        await process.wait()
+        listening.cancel()
+        _LOG.info("worker %d has ended", process.pid)
+
+
+async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:
+    if process.stdin is None or process.stdout is None:
+        raise WorkerDiedError(message("job.no_pipe"))
+    # Off the loop: an archive of a large campaign takes its time.
+    process.stdin.write(await asyncio.to_thread(packed, task))
+    await process.stdin.drain()
+    while True:
+        match await _next(process.stdout):
+            case TaskProgress(fraction, doing):
+                await told(fraction, doing)
+            case TaskAnswer(answer):
+                return cast(Answer, answer)
+            case TaskRefusal(sentence, code):
+                raise TaskRefusedError(sentence, code)
+
+
+def _a_third_of_all() -> int:
+    """Return a third of the computer's memory [bytes]: a long job, a short one and a plan may run at once."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 3
+    except (AttributeError, ValueError, OSError):
+        return _MODEST_BYTES
+
+
+async def _next(stream: asyncio.StreamReader) -> Any:
+    head = await stream.readexactly(LENGTH_BYTES)
+    return await asyncio.to_thread(unpacked, await stream.readexactly(body_length(head)))
+
+
+async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> None:
+    if process.stderr is None:
+        return
+    async for line in process.stderr:
+        log.append(line.decode(errors="replace").rstrip())
+        _LOG.info("worker %d: %s", process.pid, log[-1])
+
+
+def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> Message:
+    status = process.returncode or 0
+    how = message("job.worker.status", status=status)
+    if status < 0:
+        how = message("job.worker.signal", signal=signal.Signals(-status).name)
+    if not log:
+        return message("job.worker.died", how=how)
+    return message("job.worker.died.said", how=how, last=log[-1])

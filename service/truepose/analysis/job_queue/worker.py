@@ -1,0 +1,73 @@
+"""The worker process (`python -m` this module, then BYTES): a task comes in, an answer goes out.
+
+It may take so many bytes of memory: what needs more is refused here, where it costs nobody else anything.
+"""
+
+import os
+import sys
+import threading
+import traceback
+from typing import BinaryIO, Final
+
+from truepose.analysis.job_queue.pipe import (
+    TaskAnswer,
+    TaskProgress,
+    TaskRefusal,
+    claimed_output,
+    packed,
+    receive,
+)
+from truepose.analysis.job_queue.tasks import Task
+from truepose.domain.errors import TrueposeError
+from truepose.messages.error_codes import code_of
+from truepose.messages.message import message
+
+_POLITENESS: Final = 5  # of the processor: a session under way comes first
+
+
+def main() -> int:
+    """Perform the task that the service sends."""
+    answers = claimed_output()
+    _keep_within(int(sys.argv[1]))
+    task = receive(sys.stdin.buffer)
+    threading.Thread(target=_end_with_the_service, daemon=True).start()
+    _send(answers, _performed(task, answers))
+    return 0
+
+
+def _performed(task: Task, answers: BinaryIO) -> TaskAnswer | TaskRefusal:
+    try:
+        return TaskAnswer(task.perform(lambda fraction, doing: _send(answers, TaskProgress(fraction, doing))))
+    except TrueposeError as error:
+        return TaskRefusal(error.text, code_of(error))
+    except MemoryError:
+        return TaskRefusal(message("job.memory", megabytes=int(sys.argv[1]) // 2**20))
+    except Exception as error:
+        # The traceback goes to the service's log; the sentence to whoever asked.
+        traceback.print_exc()
+        return TaskRefusal(message("job.task_failed", kind=type(error).__name__, why=str(error)))
+
+
+def _keep_within(memory_bytes: int) -> None:
+    """Let the system refuse more memory than that, and give the processor to others first."""
+    if sys.platform != "win32":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+        os.nice(_POLITENESS)
+
+
+def _send(stream: BinaryIO, message: object) -> None:
+    stream.write(packed(message))
+    stream.flush()
+
+
+def _end_with_the_service() -> None:
+    # The service holds our input open as long as it lives: a killed service leaves no worker behind.
+    # Read past the buffer: its lock, held by a daemon thread, would abort an orderly end.
+    os.read(0, 1)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

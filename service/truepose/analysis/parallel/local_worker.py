@@ -1,0 +1,45 @@
+"""A worker process of this computer (`python -m` this module): tasks come in, replies go out."""
+
+import os
+import queue
+import sys
+import threading
+from typing import BinaryIO
+
+from truepose.analysis.job_queue.pipe import claimed_output, packed, received, unpacked
+from truepose.analysis.parallel.tasks import Reply, Task
+
+_POLITENESS = 5  # of the processor: a session under way comes first
+
+
+def main() -> int:
+    """Perform the tasks that come."""
+    answers = claimed_output()
+    if sys.platform != "win32":
+        os.nice(_POLITENESS)
+    waiting: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(os.fdopen(0, "rb"), waiting), daemon=True).start()
+    while True:
+        answers.write(packed(_performed(waiting.get())))
+        answers.flush()
+
+
+def _performed(body: bytes) -> Reply:
+    try:
+        task: Task = unpacked(body)
+    except (ImportError, AttributeError) as error:
+        return Reply(None, 0.0, f"The worker process cannot load this part ({error}).")
+    return task.perform()
+
+
+def _listen(tasks: BinaryIO, waiting: "queue.SimpleQueue[bytes]") -> None:
+    """Take tasks as they come; whoever sent them is gone once the pipe is closed, and so is this process."""
+    try:
+        while True:
+            waiting.put(received(tasks))
+    except EOFError:
+        os._exit(0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,72 @@
+"""What configurations promise, of the cell and of a session under way."""
+
+import asyncio
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import HTTPException, Query, Request
+
+from truepose.analysis.campaigns.records import measured_session
+from truepose.analysis.campaigns.tracker import MeasuredSession
+from truepose.domain.cell import Cell
+from truepose.exchange.results.plans import PlanDocument, plan_document
+from truepose.sessions.tracker.dry_run import minutes_of
+from truepose.web.context import Context, Here
+from truepose.web.resources import Id, Name, problems, resource, while_present
+
+if TYPE_CHECKING:
+    from truepose.analysis.predicted_accuracy import Promised
+
+router = resource()
+Number = Annotated[
+    int | None,
+    Query(ge=1, le=1000, description="Configurations to measure; by default the knee of the curve says."),
+]
+
+
+@router.get(
+    "/cells/{name}/plan",
+    tags=["cells"],
+    response_model_exclude_unset=True,
+    responses=problems(404, 409, 422, 503),
+)
+async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Number = None) -> PlanDocument:
+    """Choose configurations and say what accuracy they promise, before anything moves; nothing is stored."""
+    if name != here.cell.name:
+        raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
+    return await _document(here, request, here.cell, n)
+
+
+@router.get(
+    "/sessions/{id}/promise",
+    tags=["sessions"],
+    response_model_exclude_unset=True,
+    responses=problems(404, 409, 422, 503),
+)
+async def get_promise_of_session(here: Here, request: Request, id: Id, n: Number = None) -> PlanDocument:
+    """Say what the configurations measured so far promise, and what further ones would gain."""
+    session = await measured_session(here.sessions, here.readings, id)
+    return await _document(here, request, session, n)
+
+
+async def _document(
+    here: Context, request: Request, of: Cell | MeasuredSession, n: int | None
+) -> PlanDocument:
+    promised = await while_present(request, here.promise_desk.promise(of, n))
+    return await asyncio.to_thread(document_of, promised)
+
+
+def document_of(promised: "Promised") -> PlanDocument:
+    """Return a promise as a document."""
+    from truepose.reports.plans import plan_sentences
+
+    minutes = minutes_for(promised)
+    sentences = list(plan_sentences(promised.plan, minutes))
+    return plan_document(promised.plan, promised.subject.space.robot.name, minutes, sentences)
+
+
+def minutes_for(promised: "Promised") -> float:
+    """Return how long it takes to measure what is planned [min]."""
+    from truepose.planning.prediction.tracker import session_plan
+
+    subject = promised.subject
+    return minutes_of(session_plan(promised.plan), subject.space, len(subject.knowns.fixed_nests))
