@@ -31,8 +31,8 @@ _OTHERS: Final = 0o077
 def opened_alone(file: str | Path, flags: int) -> int:
     """Open a file that its owner alone reads, also one that others could read before; for `open`'s opener."""
     # The mode at creation counts from the first moment; changing it afterwards would leave one in which
-    # others can open the file.
-    descriptor = os.open(file, flags, _MODE)
+    # others can open the file. As it is: Windows would read and write line ends of two bytes.
+    descriptor = os.open(file, flags | getattr(os, "O_BINARY", 0), _MODE)
     if os.name == "posix":
         with contextlib.suppress(OSError):  # somebody else's file, which may be used all the same
             # Also a file that was there before has the mode: the umask, or an earlier version, may have left

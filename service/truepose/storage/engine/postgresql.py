@@ -230,4 +230,4 @@ class ServerDatabase(DatabaseBackend):
         self._let_go()
         self._write_engine.dispose()
         # There is no file whose digest could be taken: the server's disk is the server's.
-        self._seal.close(whole=False)
+        self._seal.close(None)

@@ -31,7 +31,7 @@ from truepose.storage.engine.sqlite_connections import (
 )
 from truepose.storage.engine.sqlite_file import Place, ServiceLock
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import IdentityFile, Left, digest, has_link
+from truepose.storage.integrity.database_identity import IdentityFile, Left, has_link
 from truepose.storage.integrity.verification import note_how_it_was_left
 
 _BYTES: Final = 16 * 2**20
@@ -249,7 +249,7 @@ class SQLiteFile(DatabaseBackend):
             return None
         place, found = self.place, ""
         with contextlib.suppress(OSError):
-            found = digest(self.file)
+            found = self._lock.digest()
         if found == self.left.sha256 or self.place is not place:  # written anew meanwhile
             return None
         return (
@@ -278,8 +278,15 @@ class SQLiteFile(DatabaseBackend):
         self.connection.close()
         self._write_engine.dispose()
         self.reserve.release()
-        # After the connections, when the log has been taken over: the digest is of the file as the next
-        # service finds it. Where damage is known no seal may vouch for it.
-        self._seal.close(whole=self.place.lies_alone and not self.condition.damaged)
+        self._seal.close(self._digest_to_leave())
         # Last: until here another service would find a file that is still being changed.
         self._lock.release()
+
+    def _digest_to_leave(self) -> str | None:
+        """Return the digest of the file as the next service finds it; None where no seal may vouch for it."""
+        # Only of a file that is at its place with everything in it, and of which no damage is known: of
+        # another one the next start would be told that it was changed.
+        if self.place.lies_alone and not self.condition.damaged:
+            with contextlib.suppress(OSError):
+                return self._lock.digest()
+        return None

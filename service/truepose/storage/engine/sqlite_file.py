@@ -5,9 +5,12 @@ for life, and the operating system releases both with the process, however that 
 
 - An exclusive transaction on a side file, wherever SQLite works.
 - On Linux and Windows, a lock on the database file itself: whoever comes by another path, a hard link, a
-  bind mount, from another container, or after the side file is gone, meets the same file. Closing any
-  descriptor of the file would drop SQLite's own locks on Linux; so the one here is closed last. SQLite's
-  locks are of another kind and never meet it. macOS has none that does not get in their way.
+  bind mount, from another container, or after the side file is gone, meets the same file. SQLite's locks are
+  of another kind and never meet it. macOS has none that does not get in their way.
+
+Closing any descriptor of the database file drops SQLite's own locks on it, except on Windows: what looks at
+the database next takes its log for one that nobody uses, and removes it. So the service opens the file once,
+for the lock, closes it last, and reads it over that descriptor.
 
 A file that is removed lives on as long as somebody has it open, and everything that was acknowledged is in
 it. So it is written anew at its place, which loses nothing; where something else lies there by now, that is
@@ -20,6 +23,7 @@ import ctypes
 import errno
 import os
 import sys
+import threading
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -28,18 +32,19 @@ from typing import Any, Final
 from truepose.storage.engine.files import make_alone, opened_alone, sync_folder, tighten
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
+from truepose.storage.integrity.database_identity import digest
 
 _TAKEN: Final = 33  # ERROR_LOCK_VIOLATION
 _FAR: Final = 1 << 30  # upper half of a position: nobody may read a locked byte, and no file goes so far
 
 
-def file_lock(system: str = sys.platform) -> Callable[[int], None] | None:
-    """Return what locks an open file; None where the system has no such lock.
+def file_lock(system: str = sys.platform) -> Callable[[int], None]:
+    """Return what locks an open file, or does nothing where the system has no such lock.
 
     It raises BlockingIOError where somebody else has the lock, OSError where the file system refuses.
     """
-    # None on macOS: its locks get in the way of SQLite's own.
-    return {"linux": _flock, "win32": _lock_far_byte}.get(system)
+    # Nothing on macOS: its locks get in the way of SQLite's own.
+    return {"linux": _flock, "win32": _lock_far_byte}.get(system, lambda file: None)
 
 
 def _flock(file: int) -> None:
@@ -69,6 +74,7 @@ class ServiceLock:
 
     def __init__(self, database: Path) -> None:
         self._file: int | None = None
+        self._turn = threading.Lock()  # whoever reads over the descriptor, or exchanges it
         # The side file first: within one process, opening and closing the database would drop SQLite's locks.
         self._side = _locked_side_file(database)
         try:
@@ -80,9 +86,19 @@ class ServiceLock:
     def move_to(self, file: int | None) -> None:
         """Go over to a file that is locked already and takes the place of the one before."""
         # The new lock is held before the old one is let go.
-        before, self._file = self._file, file
-        if before is not None:
-            os.close(before)
+        with self._turn:
+            before, self._file = self._file, file
+            if before is not None:
+                os.close(before)
+
+    def digest(self) -> str:
+        """Return the SHA-256 of the locked file; takes its time, on any thread. Raises OSError."""
+        with self._turn:
+            if self._file is None:
+                raise FileNotFoundError(errno.ENOENT, "the lock was released")
+            with open(self._file, "rb", closefd=False) as opened:
+                opened.seek(0)
+                return digest(opened)
 
     def release(self) -> None:
         """Let another service have the database."""
@@ -90,21 +106,18 @@ class ServiceLock:
         self._side.close()
 
 
-def locked_file(database: Path) -> int | None:
-    """Return a descriptor of the database file that holds its lock; None where the system has no such lock.
+def locked_file(database: Path) -> int:
+    """Return a descriptor of the database file, which is made where there is none, that holds its lock.
 
     Raises DatabaseInUseError where another service holds it.
     """
-    lock = file_lock()
-    if lock is None:
-        return None
     try:
         # Made where there is none: the lock has to be there before the first service makes a database.
         file = opened_alone(database, os.O_RDWR | os.O_CREAT)
     except OSError as error:
         raise _unwritable(database, error) from error
     try:
-        lock(file)
+        file_lock()(file)
     except OSError as error:
         os.close(file)
         raise (
@@ -185,7 +198,7 @@ class Place:
             self._log_is = found
         return found != self._log_is
 
-    def restore(self, connection: Any) -> int | None:
+    def restore(self, connection: Any) -> int:
         """Write the database anew from a connection that has it open; returns the lock on the new file.
 
         Raises StorageUnavailableError where that is not possible; then nothing lies there.

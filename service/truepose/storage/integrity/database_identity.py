@@ -10,14 +10,14 @@ import contextlib
 import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from io import BufferedReader
 from pathlib import Path
 from typing import Any, Final
 
 from truepose.storage.engine.files import opened_alone
 
 _LENGTH: Final = 256  # of the line, so that it is written over in place
-_CHUNK: Final = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,6 @@ class IdentityFile:
 
     def __init__(self, database: Path) -> None:
         self.file = database.with_name(f"{database.name}.seal")
-        self._database = database
         self.noted = Left()
         self._opened: int | None = None
 
@@ -50,8 +49,7 @@ class IdentityFile:
     def break_open(self, connection: Any) -> None:
         """Say that a service has the database open, from now on."""
         with contextlib.suppress(OSError):  # it is a watchman, not a record
-            as_written = getattr(os, "O_BINARY", 0)  # Windows would write line ends of two bytes
-            self._opened = opened_alone(self.file, os.O_RDWR | os.O_CREAT | as_written)
+            self._opened = opened_alone(self.file, os.O_RDWR | os.O_CREAT)
             # Without a digest from now on: a service that is killed leaves the newest link alone, which the
             # database has to hold.
             self._write(newest_link(connection))
@@ -67,13 +65,11 @@ class IdentityFile:
             with contextlib.suppress(OSError):
                 self._write(newest)
 
-    def close(self, *, whole: bool) -> None:
-        """Say that nobody has the database open; `whole`: seal the file as it is now."""
-        with contextlib.suppress(OSError):
-            # Only a file that is at its place with everything in it is sealed: of another one the next start
-            # would be told that it was changed.
-            if whole:
-                self._write(Left(self.noted.link, self.noted.hash, digest(self._database)))
+    def close(self, sha256: str | None) -> None:
+        """Say that nobody has the database open; seal it where a digest of the file is given."""
+        if sha256 is not None:
+            with contextlib.suppress(OSError):
+                self._write(replace(self.noted, sha256=sha256))
         if self._opened is not None:
             os.close(self._opened)
             self._opened = None
@@ -94,13 +90,9 @@ def newest_link(connection: Any) -> Left:
     return Left() if row is None else Left(row[0], row[1].hex())
 
 
-def digest(file: Path) -> str:
-    """Return the SHA-256 of a file."""
-    found: Any = hashlib.sha256()
-    with file.open("rb") as opened:
-        while chunk := opened.read(_CHUNK):
-            found.update(chunk)
-    return str(found.hexdigest())
+def digest(opened: BufferedReader) -> str:
+    """Return the SHA-256 of a file that is open at its beginning; raises OSError."""
+    return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 def has_link(connection: Any, left: Left) -> bool:

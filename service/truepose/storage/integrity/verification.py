@@ -298,9 +298,12 @@ def newest_missing(where: str, seal: Path) -> str:
 
 
 def _against(url: str, left: Left, seal: Path) -> Iterator[str]:
-    file = database_file(url)
-    if left.sha256 is not None and digest(file) != left.sha256:
-        yield f"The file {file} was changed while no service had it open."
+    if left.sha256 is not None:
+        file = database_file(url)
+        with file.open("rb") as opened:
+            found = digest(opened)
+        if found != left.sha256:
+            yield f"The file {file} was changed while no service had it open."
     with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
         if not has_link(connection, left):
             yield newest_missing(shown_address(url), seal)

@@ -15,6 +15,7 @@ from truepose.storage.engine import sqlite_file as service_lock
 from truepose.storage.engine.sqlite_file import ServiceLock, file_lock, locked_file
 from truepose.storage.errors import DatabaseInUseError
 from truepose.storage.integrity.database_identity import IdentityFile
+from truepose.storage.integrity.verification import verify_left
 
 
 class Windows:
@@ -92,6 +93,17 @@ def test_a_system_without_such_a_lock_has_the_side_file_alone(monkeypatch, tmp_p
         ServiceLock(tmp_path / "cell.sqlite3")
 
     lock.release()
+
+
+def test_a_copy_is_restored_to_a_new_place_also_without_such_a_lock(monkeypatch, tmp_path):
+    database, copy = tmp_path / "cell.sqlite3", tmp_path / "copy.sqlite3"
+    Database(f"sqlite:///{database}").close()
+    back_up(database, copy)
+    monkeypatch.setattr(service_lock, "file_lock", lambda: file_lock("darwin"))
+
+    head, kept = restore(copy, tmp_path / "fresh.sqlite3")
+
+    assert (verify_left(tmp_path / "fresh.sqlite3").head, kept) == (head, None)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are looked for in /proc")
