@@ -20,9 +20,10 @@ from truepose.sessions.engine.arm import Arm, rest_of_way
 from truepose.sessions.engine.identity_check import same_number, told
 from truepose.sessions.engine.interlocks import binding_speed, joint_outside, motion_limits, slowest
 from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.engine.runner import is_interruption
 from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError
 from truepose_drivers.api import BallbarReading, Clock, FullGauge, FullRobot, MotionLimits
-from truepose_drivers.errors import MeasurementFailedError
+from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +199,12 @@ class Visiting:
         self._slow = slowest(
             self._fast, MotionLimits(plan.touch_speed_mm_s, self._fast.orientation_speed_rad_s)
         )
-        self._begin: Joints | None = None  # where nothing is near, while the arm stands there
+        # Where nothing is near, while the arm stands there; with wires the stop itself, which has no way.
+        self._begin: Joints | None = None
+
+    def is_where_the_next_way_begins(self, stop: ContactStop) -> bool:
+        """Whether the arm stands where the planned way from a stop to the one after it begins."""
+        return self._begin == stop.way_rad[0]
 
     def forget(self) -> None:
         """Forget where the arm was left: a person had it since."""
@@ -207,15 +213,19 @@ class Visiting:
     async def visit(self, stop: ContactStop) -> ContactTaken:
         """Return what the gauges read at a stop; raises what the devices and the checks raise."""
         if not self._plan.touches:
+            self._begin = None
             await self._arm.move(stop.joints_rad)
+            self._begin = stop.joints_rad
             return await self._read_at(stop, stop.joints_rad)
         await self._go_to_begin(stop)
         try:
             taken = await self._approach_and_read(stop)
         # The stop is left out, and the arm must not stay in touch with its target: the next motion goes
         # elsewhere.
-        except (ReadingRejectedError, MeasurementFailedError):
-            await self._leave(stop)
+        except (ReadingRejectedError, MeasurementFailedError, DeviceRefusedError) as error:
+            # After an interruption nothing moves before a person has looked; the stop begins again then.
+            if not is_interruption(error):
+                await self._leave(stop)
             raise
         await self._leave(stop)
         return taken

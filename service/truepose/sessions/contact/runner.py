@@ -194,9 +194,14 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
                 {"kind": EntryKind.CONTROL, "step_id": step.id, **waits},
             ]
         pauses = {"kind": EntryKind.CONTROL, "step_id": step.id, "entered": SessionState.PAUSED}
+        waits = {**pauses, "text": together(reason, CELL_CLEAR)}
         if isinstance(step, Open) or isinstance(error, AttentionNeededError):
-            return [{**pauses, "text": together(reason, CELL_CLEAR)}]
+            return [waits]
         skipped = {"kind": EntryKind.SKIPPED, "step_id": step.id, "text": reason}
+        if not self._visiting.is_where_the_next_way_begins(step.stop):
+            # A stop stays the present one until the arm has left its target: so it leaves by the way of this
+            # stop, also after a restart. Wires have nothing to leave, only a way that nobody has looked at.
+            return [waits] if self._plan.touches else [skipped, waits]
         # One configuration may fail by itself; several in a row make the set-up suspect.
         if self.situation.failures + 1 < self._plan.failures_in_a_row:
             return [skipped]

@@ -1,6 +1,7 @@
 """Sessions of closed loops on a cell of plain objects: questions, ways, readings, faults, restarts."""
 
 import asyncio
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,13 @@ from truepose.domain.session import SessionState
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.contact.state import Question
 from truepose.sessions.errors import NotNowError, PersonMissingError, PlanRefusedError
-from truepose_drivers.errors import ConnectionLostError
+from truepose_drivers.errors import (
+    BusyError,
+    ConfigurationError,
+    ConnectionLostError,
+    NotInitialisedError,
+    TargetRefusedError,
+)
 
 PLAN = planned()
 
@@ -152,6 +159,140 @@ async def test_a_lost_robot_in_the_middle_of_an_approach_goes_back_by_the_way_it
     assert after[0] in way
     assert way.index(after[0]) < 3
     assert len(bench.read) == len(PLAN.stops)
+
+
+SECOND = PLAN.stops[1]
+
+
+def refuse_once(bench, device, name, error, when):
+    """Have a device refuse what it is asked by `name`, the first time that `when` holds of it.
+
+    Returns a list of the number of motions that had begun by then.
+    """
+    asked, begun = getattr(device, name), []
+
+    async def refuse(*given):
+        if not begun and when(*given):
+            begun.append(len(bench.robot.moves))
+            raise error
+        return await asked(*given)
+
+    setattr(device, name, refuse)
+    return begun
+
+
+def refuse_the_second_target(bench, error):
+    return refuse_once(
+        bench, bench.robot, "move_joints", error, lambda target_rad: target_rad == at(SECOND.joints_rad)
+    )
+
+
+def way_back(bench, begun):
+    """Return by which places of its second stop's way the arm went to where nothing is near."""
+    way = [at(place) for place in SECOND.way_rad]
+    after = bench.robot.moves[begun[0] :]
+    return [way.index(place) for place in after[: after.index(way[0]) + 1]]
+
+
+@pytest.mark.parametrize("refusal", [TargetRefusedError("out of reach"), BusyError("the robot is busy")])
+async def test_after_a_refused_motion_the_arm_goes_back_by_the_way_it_came(bench, refusal):
+    begun = refuse_the_second_target(bench, refusal)
+
+    state, _ = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert [(skipped.config, skipped.reason) for skipped in bench.journal.skipped] == [(2, str(refusal))]
+    assert way_back(bench, begun) == [4, 3, 2, 1, 0]
+
+
+async def test_after_a_gauge_refused_to_answer_the_arm_goes_back_by_the_way_it_came(bench):
+    refusal = BusyError("the unit refuses to tell its values")
+    begun = refuse_once(
+        bench, bench.probe, "read_channels", refusal, lambda: bench.robot.joints == at(SECOND.joints_rad)
+    )
+
+    state, _ = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert [skipped.config for skipped in bench.journal.skipped] == [2]
+    assert way_back(bench, begun) == [5, 4, 3, 2, 1, 0]
+
+
+async def test_an_arm_that_cannot_leave_its_target_asks_a_person_and_leaves_by_the_way_it_came(bench):
+    refused = refuse_the_second_target(bench, TargetRefusedError("out of reach"))
+    begun = refuse_once(
+        bench, bench.robot, "move_joints", BusyError("somebody drives the robot"), lambda _: bool(refused)
+    )
+
+    state, questions = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert questions[3].startswith("somebody drives the robot")
+    assert way_back(bench, begun) == [4, 3, 2, 1, 0]
+    assert [taken.config for taken in bench.read] == [stop.config for stop in PLAN.stops]
+
+
+async def test_an_arm_that_could_not_leave_its_target_leaves_by_the_same_way_after_a_restart(bench):
+    refused = refuse_the_second_target(bench, TargetRefusedError("out of reach"))
+    begun = refuse_once(
+        bench, bench.robot, "move_joints", BusyError("somebody drives the robot"), lambda _: bool(refused)
+    )
+    runner = runner_of(bench)
+    task = asyncio.create_task(runner.run())
+    for _ in Question:
+        await until(lambda: runner.prompt is not None)
+        await asking.confirm(runner, "Eva")
+    await until(lambda: runner.state is SessionState.PAUSED)
+    task.cancel()
+    await asyncio.gather(task, return_exceptions=True)
+
+    state, _ = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert way_back(bench, begun) == [4, 3, 2, 1, 0]
+
+
+async def test_speeds_that_the_robot_cannot_have_ask_a_person_while_the_arm_is_on_its_way(bench):
+    begun = refuse_once(
+        bench,
+        bench.robot,
+        "set_limits",
+        ConfigurationError("no robot goes so slowly"),
+        lambda _: bench.robot.joints == at(SECOND.way_rad[2]),
+    )
+
+    state, questions = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert questions[3].startswith("no robot goes so slowly")
+    assert way_back(bench, begun) == [1, 0]
+    assert bench.journal.skipped == []
+
+
+async def test_a_robot_that_was_stopped_on_its_way_does_not_move_before_a_person_has_looked(bench):
+    begun = refuse_the_second_target(bench, NotInitialisedError("a protective stop: look, then confirm"))
+    operator, moved = PatientOperator(10), []
+    operator.before_answer = lambda _: moved.append(len(bench.robot.moves))
+
+    state = await operator.attend_from_the_start(runner_of(bench))
+
+    assert state is SessionState.FINISHED
+    assert moved[3:] == begun
+    assert way_back(bench, begun) == [4, 3, 2, 1, 0]
+
+
+async def test_a_refused_target_of_wires_asks_a_person_since_nobody_looked_at_the_way_from_there(bench):
+    stops = tuple(replace(stop, way_rad=stop.way_rad[-1:]) for stop in PLAN.stops)
+    begun = refuse_the_second_target(bench, TargetRefusedError("out of reach"))
+    operator, moved = PatientOperator(10), []
+    operator.before_answer = lambda _: moved.append(len(bench.robot.moves))
+
+    state = await operator.attend_from_the_start(runner_of(bench, replace(PLAN, loop="wires", stops=stops)))
+
+    assert state is SessionState.FINISHED
+    assert [skipped.config for skipped in bench.journal.skipped] == [2]
+    assert operator.questions[3].startswith("out of reach")
+    assert moved[3:] == begun == [1]
 
 
 async def test_an_arm_that_somebody_drove_elsewhere_goes_straight_to_where_nothing_is_near(bench):
