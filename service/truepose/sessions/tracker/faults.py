@@ -3,6 +3,7 @@
 - A configuration whose reading fails is skipped with the reason, unless nothing has been measured since a
   person last had the session go on, or several in a row have failed: then the instrument is suspect, and
   the session pauses.
+- A configuration to which the robot refuses to go is skipped, and a person confirms before the next motion.
 - A lost link and a robot that is not where it was left are the same thing to a session: nothing moves before
   a person confirms; then the devices are opened anew, the fixed nests are looked at, and the step that was
   interrupted begins again.
@@ -50,14 +51,24 @@ class Line:
 
 
 def lines_after(
-    error: SessionError | DriverError, step: Step, now: TrackerSituation, plan: SessionPlan
+    error: SessionError | DriverError,
+    step: Step,
+    now: TrackerSituation,
+    plan: SessionPlan,
+    *,
+    moving: bool = False,
 ) -> Iterator[Line]:
-    """Yield what is put on record after a fault within a step; raises what is no fault of a cell."""
+    """Yield what is put on record after a fault within a step; raises what is no fault of a cell.
+
+    `moving`: the arm had been sent somewhere, and was not known to have arrived.
+    """
     reason = text_of(error)
     # First: among what it covers are errors that the cases below would take for a failed reading.
     if is_interruption(error) or isinstance(error, MotionForbiddenError):
         return _after_interruption(reason, step, now)
     match error:
+        case DeviceRefusedError() if moving:
+            return _after_refused_motion(reason, step)
         case MeasurementFailedError() | DeviceRefusedError() | ReadingRejectedError():
             return _after_failed_measurement(reason, step, now, plan)
         case AttentionNeededError():
@@ -76,6 +87,12 @@ def _after_interruption(reason: Text, step: Step, now: TrackerSituation) -> Iter
     if step.stop is not None and now.interruptions + 1 >= _INTERRUPTIONS_PER_STOP:
         yield Line(EntryKind.SKIPPED, step.id, message("session.interrupted_twice", why=reason))
     yield _awaits(together(as_sentence(reason), message("session.put_right")), step.id)
+
+
+def _after_refused_motion(reason: Text, step: Step) -> Iterator[Line]:
+    yield Line(EntryKind.SKIPPED, step.id, reason)
+    # The arm is not where the way to the next stop begins, so that nobody has looked at the way from here.
+    yield _awaits(as_sentence(reason), step.id)
 
 
 def _after_failed_measurement(

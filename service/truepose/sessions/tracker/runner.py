@@ -249,7 +249,8 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
                 # Both, whichever failed: the step begins again with the opening of the instruments.
                 await self._cell.tracker.close()
                 await self._cell.robot_controller.close()
-            return tuple(lines_after(error, step, self.situation, self._plan))
+            moving = self._execution.is_moving
+            return tuple(lines_after(error, step, self.situation, self._plan, moving=moving))
 
     async def _operate(self, step: Step) -> Sequence[Line]:
         progress = self._progress(step.title)

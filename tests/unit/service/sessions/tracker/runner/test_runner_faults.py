@@ -9,6 +9,7 @@ from truepose.messages.catalogue import english
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose_drivers.errors import (
     BeamBrokenError,
+    BusyError,
     ConnectionLostError,
     DriverError,
     DriverFaultError,
@@ -266,6 +267,23 @@ async def test_a_refused_target_is_skipped_with_the_robots_words():
 
     assert ended is SessionState.FINISHED
     assert [(s.config, s.reason) for s in cell.journal.skipped] == [(2, "joint 2 out of range")]
+
+
+@pytest.mark.parametrize("refusal", [TargetRefusedError("joint 2 out of range"), BusyError("it still moves")])
+@pytest.mark.parametrize("refused", [2, 3], ids=["the approach", "the stop"])
+async def test_after_a_refused_motion_a_person_looks_at_a_way_that_nobody_planned(refused, refusal):
+    cell = FakeCell()
+    cell.robot.faults = {refused: refusal}
+    operator, moved = PatientOperator(), []
+    operator.before_answer = lambda _: moved.append(len(cell.robot.moves))
+
+    ended = await run_session(cell, make_plan(3), operator)
+
+    assert ended is SessionState.FINISHED
+    assert moved == [0, refused + 1]
+    assert operator.questions[1].lower().startswith(str(refusal))
+    assert operator.questions[1].endswith(english(CELL_CLEAR))
+    assert [point.config for point in cell.journal.points] == [1, 3]
 
 
 async def test_a_robot_that_somebody_moved_waits_for_a_person():
