@@ -18,7 +18,7 @@ from truepose.messages.catalogue import english
 from truepose.sessions.ballbar.service import BallbarSessions
 from truepose.sessions.contact.service import ContactSessions
 from truepose.sessions.devices import MountedDevice, Rack
-from truepose.sessions.engine.arm import Arm, MotionSegments, Permission
+from truepose.sessions.engine.arm import Arm, Permission
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.service import SessionDesk
 from truepose.sessions.tracker.service import TrackerSessions
@@ -62,6 +62,9 @@ def recorded(robot):
 
         async def move_joints(self, target_rad):
             self.sent.append(target_rad)
+
+        async def set_limits(self, limits):
+            self.limits = limits
 
         async def read_joints(self):
             return JointReading(self.sent[-1], 1e-4, self.time_s())
@@ -113,12 +116,13 @@ async def longest_piece_s(robot, driver):
     arm = Arm(
         robot,
         clock,
+        IRB120,
         WIDE,
         0.00035,
         lambda now_s: allowed,
-        pieces=MotionSegments(IRB120, SLOW),
         wall_s=lambda: clock.time_s,
     )
+    await arm.set_limits(SLOW)
     await arm.move(TARGET)
     assert driver.sent[-1] == TARGET
     return max(duration_s(start, end) for start, end in pairwise(driver.sent))

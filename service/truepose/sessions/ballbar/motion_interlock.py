@@ -20,7 +20,7 @@ from truepose.sessions.ballbar.dry_run import check_motion
 from truepose.sessions.ballbar.plan import steps
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation
-from truepose.sessions.engine.arm import Arm, Joints, MotionSegments, Permission, rest_of_way
+from truepose.sessions.engine.arm import Arm, Joints, Permission, rest_of_way
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.identity_check import sentence
 from truepose.sessions.engine.interlocks import binding_speed
@@ -36,18 +36,15 @@ class RestMonitor:
 
     def __init__(self, cell: BallbarCell, plan: BallbarPlan) -> None:
         self._controller = cell.robot_controller
-        self._speed_limits = cell.speed_limits
         self._plan = plan
         self._turn = asyncio.Lock()
         self._seen: tuple[JointReading, ...] = ()  # the last two
 
     async def open(self) -> None:
-        """Open the link where it is down and set the limits of motion; raises the driver's errors."""
+        """Open the link where it is down; raises the driver's errors."""
         if not self._controller.connected:
             await self._controller.connect()
             await self._controller.identify()  # a driver may know more of its controller from then on
-        # At every opening: a controller that was switched off has forgotten its limits.
-        await self._controller.set_limits(binding_speed(self._plan, self._speed_limits))
 
     async def close(self) -> None:
         """Close the link; the next opening begins a new conversation."""
@@ -121,6 +118,7 @@ class Motion:
         self._plan = plan
         self._kit = kit
         self._robot = cell.robot
+        self._speed = binding_speed(plan, cell.speed_limits)
         self._limits = limits
         self._clock = cell.clock
         self._logbook = logbook
@@ -131,11 +129,11 @@ class Motion:
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
+            cell.robot,
             limits,
             plan.joint_tolerance_rad,
             self._permission,
             plan.state_age_s,
-            MotionSegments(cell.robot, binding_speed(plan, cell.speed_limits)),
             before_piece=readings.settle,  # a piece may last longer than a sample of the ballbar counts
         )
         self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
@@ -146,6 +144,10 @@ class Motion:
         self._arm.forget()
         self._rest.forget()
         self.confirmed_s = None
+
+    async def set_speed(self) -> None:
+        """Set the speed of the motions that follow; raises the driver's errors."""
+        await self._arm.set_limits(self._speed)
 
     def require_plan_within_limits(self) -> None:
         """Raise PlanRefusedError for the first planned motion that is left and leaves what binds it now."""

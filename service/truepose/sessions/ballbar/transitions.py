@@ -206,6 +206,8 @@ class Transitions:
         """Open the robot and see whether it stands where the session left it; returns whether it answers."""
         try:
             await self.rest.open()
+            # At every opening: a controller that was switched off has forgotten its limits.
+            await self.motion.set_speed()
             await self._meet_robot()
             moved = await self.look_at_robot()
         except DriverError as error:

@@ -234,7 +234,7 @@ class Visiting:
         """Go where nothing is near; from a place that nobody knows slowly, by the way that led there."""
         if self._begin is None:
             await self._leave(stop)
-        await self._cell.robot_controller.set_limits(self._fast)
+        await self._arm.set_limits(self._fast)
         if self._begin != stop.way_rad[0]:
             await self._arm.move(stop.way_rad[0])
 
@@ -243,11 +243,11 @@ class Visiting:
         here = await self._arm.read()
         allowed_rad = self._plan.joint_tolerance_rad + here.resolution_rad
         *slowly, begin_rad = way_off(stop, here.joints_rad, allowed_rad)
-        await self._cell.robot_controller.set_limits(self._slow)
+        await self._arm.set_limits(self._slow)
         for joints_rad in slowly:
             await self._arm.move(joints_rad)
         if slowly:
-            await self._cell.robot_controller.set_limits(self._fast)
+            await self._arm.set_limits(self._fast)
         await self._arm.move(begin_rad)
         self._begin = begin_rad
 
@@ -259,7 +259,7 @@ class Visiting:
         for joints_rad in free:
             await self._arm.move(joints_rad)
         # From here on something may be in touch.
-        await self._cell.robot_controller.set_limits(self._slow)
+        await self._arm.set_limits(self._slow)
         for start_rad, end_rad in pairwise((free[-1], *touching)):
             # Before each step and with what the gauges show now: the target may stand nearer than the plan
             # has it.

@@ -26,7 +26,7 @@ from truepose.sessions.contact.state import (
     asked,
     situation_of,
 )
-from truepose.sessions.engine.arm import Arm, MotionSegments
+from truepose.sessions.engine.arm import Arm
 from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.identity_check import same_number, told
@@ -73,10 +73,10 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
+            cell.robot,
             limits,
             plan.joint_tolerance_rad,
             self._permission,
-            pieces=MotionSegments(cell.robot, self._speed),
         )
         self._gauges = Gauges(cell.gauges, cell.clock, plan)
         self._visiting = Visiting(plan, cell, self._arm, self._gauges)
@@ -215,7 +215,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         await self._require_same_robot()
         for sentence in await self._gauges.open():
             await self._logbook.write(EntryKind.NOTED, text=sentence)
-        await robot.set_limits(self._speed)
+        await self._arm.set_limits(self._speed)
         await self._logbook.write(EntryKind.NOTED, text=speed_sentence(self._speed, robot.motion_guard))
 
     async def _require_same_robot(self) -> None:

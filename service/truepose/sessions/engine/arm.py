@@ -8,7 +8,7 @@ so the arm takes the same way and comes to every stop from the same side.
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, TypeAlias
@@ -33,7 +33,6 @@ from truepose_drivers.errors import TargetRefusedError
 _LOOKS: Final = 24  # along a way; between two of them the speeds hardly change
 _LONG_S: Final = 0.5  # of cell time, after which one can tell whether it costs wall time
 _SHARE_THAT_WAITS: Final = 0.5
-_MOST_PIECES: Final = 200  # of a way that takes minutes: finer makes no sense
 
 Joints = tuple[float, ...]
 
@@ -45,12 +44,12 @@ class MotionSegments:
         self._robot = robot
         self._speed = speed
 
-    def of(self, start_rad: Joints, target_rad: Joints, longest_s: float) -> tuple[Joints, ...]:
-        """Return where the pieces of a straight joint motion end, the target last.
+    def of(self, start_rad: Joints, target_rad: Joints, longest_s: float) -> Iterator[Joints]:
+        """Yield where the pieces of a straight joint motion end, the target last.
 
         The way q(s) = start + s (target - start) is looked at in 24 equal steps. The slowest of them takes
         t = max(path / tool speed, turn / orientation speed), so that ceil(24 t / longest) equal pieces take
-        `longest_s` each at most, at the speed of this object and where a way needs no more than 200 pieces.
+        `longest_s` each at most, at the speed of this object.
 
         Parameters
         ----------
@@ -59,20 +58,18 @@ class MotionSegments:
         longest_s : float
             What a piece may take [s], above 0.
 
-        Returns
-        -------
-        tuple of tuple of float
-            Joint angles at the end of each piece [rad].
+        Yields
+        ------
+        tuple of float
+            Joint angles at the end of a piece [rad].
         """
         # By the slowest step and not by the whole: equal shares of the joints are no equal times where the
         # arm stretches or turns its wrist.
         slowest_s = self._slowest_look_s(np.array(start_rad), np.array(target_rad))
-        count = min(_MOST_PIECES, max(1, math.ceil(_LOOKS * slowest_s / longest_s)))
-        between = tuple(
-            tuple(a + (b - a) * piece / count for a, b in zip(start_rad, target_rad, strict=True))
-            for piece in range(1, count)
-        )
-        return (*between, target_rad)
+        count = math.ceil(_LOOKS * slowest_s / longest_s)
+        for piece in range(1, count):
+            yield tuple(a + (b - a) * piece / count for a, b in zip(start_rad, target_rad, strict=True))
+        yield target_rad
 
     def _slowest_look_s(self, start: FloatArray, target: FloatArray) -> float:
         """Return the longest time between two of the equal steps of the joints [s].
@@ -137,21 +134,22 @@ class Arm:
         self,
         controller: FullRobot,
         clock: Clock,
+        robot: Robot,
         limits: tuple[JointRange, ...],
         tolerance_rad: float,
         ask_permission: AskPermission,
         max_state_age_s: float = MAX_STATE_AGE_S,
-        pieces: MotionSegments | None = None,
         wall_s: Callable[[], float] = time.monotonic,
         before_piece: BeforePiece | None = None,
     ) -> None:
         self._controller = controller
         self._clock = clock
+        self._robot = robot
         self._limits = limits
         self._tolerance_rad = tolerance_rad
         self._ask_permission = ask_permission
         self._max_state_age_s = max_state_age_s
-        self._pieces = pieces
+        self._segments = MotionSegments(robot, MotionLimits())  # the speed that drivers begin with
         self._pace = WallPace(wall_s)
         self._before_piece = before_piece
         self._left_at: tuple[float, ...] | None = None
@@ -167,6 +165,13 @@ class Arm:
         self._left_at = None
         self._direction = (0,) * len(self._limits)
         self._pace.begin_anew()
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed of the motions that follow; raises the driver's errors."""
+        await self._controller.set_limits(limits)
+        # Cut for the speed in force, whatever a session set before: what is cut for 250 mm/s takes 25 times
+        # as long at the 10 mm/s at which a probe leaves its target.
+        self._segments = MotionSegments(self._robot, limits)
 
     async def read(self) -> JointReading:
         """Ask where the joints are."""
@@ -191,7 +196,7 @@ class Arm:
                 reading = await self._read_in_time()
             await self._move_piece(piece_rad, target_rad, reading)
 
-    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> tuple[Joints, ...]:
+    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> Iterable[Joints]:
         # Where the arm was left is exact; what it reports is rounded, and pieces from there would not lie on
         # the planned line.
         start_rad = self._left_at or reading.joints_rad
@@ -199,9 +204,9 @@ class Arm:
         known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
         # What is not known is not cut but judged as it is: the interlocks below refuse a target with other
         # joints, or one that is no number.
-        if self._pieces is None or longest_s is None or not known or not self._pace.waits:
+        if longest_s is None or not known or not self._pace.waits:
             return (target_rad,)
-        return self._pieces.of(start_rad, target_rad, longest_s)
+        return self._segments.of(start_rad, target_rad, longest_s)
 
     async def _move_piece(self, piece_rad: Joints, target_rad: Joints, reading: JointReading) -> None:
         now_s = await self._clock.now_s()

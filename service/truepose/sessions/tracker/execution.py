@@ -103,7 +103,7 @@ class Execution:
             await self._note(sentence)
         # At every opening: a controller that was switched off has forgotten its limits.
         speed = binding_speed(self._plan, self._cell.speed_limits)
-        await self._cell.robot_controller.set_limits(speed)
+        await self._arm.set_limits(speed)
         await self._note(speed_sentence(speed, self._cell.robot_controller.motion_guard))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:

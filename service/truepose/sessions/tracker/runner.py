@@ -16,10 +16,10 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import IdentityTaken, PlannedStop, Progress, SessionPlan, SessionState
 from truepose.messages.message import Message, Text, message, together
-from truepose.sessions.engine.arm import Arm, MotionSegments
+from truepose.sessions.engine.arm import Arm
 from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
 from truepose.sessions.engine.halts import Halts
-from truepose.sessions.engine.interlocks import binding_speed, end_of_motion
+from truepose.sessions.engine.interlocks import end_of_motion
 from truepose.sessions.engine.ledger import Ledger, Logbook
 from truepose.sessions.engine.prompts import CELL_CLEAR, require_person
 from truepose.sessions.engine.runner import Onlooker, is_interruption
@@ -76,10 +76,10 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
+            cell.robot,
             limits,
             plan.joint_tolerance_rad,
             self._permission,
-            pieces=MotionSegments(cell.robot, binding_speed(plan, cell.speed_limits)),
         )
         self._identities = TrackerIdentityCheck(cell.expected, logbook)
         self._execution = Execution(plan, cell, self._arm, logbook, self._identities)

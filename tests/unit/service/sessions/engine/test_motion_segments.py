@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def duration_s(start, target, speed=SLOW):
 
 
 def test_no_piece_takes_longer_than_a_second_and_all_lie_on_one_line():
-    ends = MotionSegments(IRB120, SLOW).of(START, TARGET, 1.0)
+    ends = tuple(MotionSegments(IRB120, SLOW).of(START, TARGET, 1.0))
     starts = (START, *ends[:-1])
 
     assert ends[-1] == TARGET
@@ -47,9 +48,22 @@ def test_no_piece_takes_longer_than_a_second_and_all_lie_on_one_line():
     assert steps == pytest.approx(np.broadcast_to(steps[0], steps.shape), abs=1e-12)
 
 
-def test_a_short_motion_stays_whole_and_a_very_slow_one_is_not_minced():
-    assert MotionSegments(IRB120, MotionLimits()).of(START, tuple(q + 0.01 for q in START), 1.0)[:-1] == ()
-    assert len(MotionSegments(IRB120, MotionLimits(0.01, 1e-5)).of(START, TARGET, 1.0)) == 200
+def test_a_short_motion_stays_whole():
+    near = tuple(q + 0.01 for q in START)
+
+    assert list(MotionSegments(IRB120, MotionLimits()).of(START, near, 1.0)) == [near]
+    assert list(MotionSegments(IRB120, MotionLimits()).of(START, START, 1.0)) == [START]
+
+
+def test_a_motion_of_many_minutes_too_has_no_piece_of_more_than_a_second():
+    creeping = MotionLimits(1.0, math.radians(0.1))
+
+    ends = tuple(MotionSegments(IRB120, creeping).of(START, TARGET, 1.0))
+
+    assert len(ends) > 500
+    longest_s = max(duration_s(a, b, creeping) for a, b in pairwise((START, *ends[:100])))
+    assert longest_s <= 1.05
+    assert ends[-1] == TARGET
 
 
 class GuardedRobot(FakeRobot):
@@ -58,11 +72,13 @@ class GuardedRobot(FakeRobot):
     motion_guard = MotionGuard(longest_piece_s=1.0)
 
 
-def make_arm(robot, clock, permission=None):
+async def make_arm(robot, clock, permission=None, **changes):
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
     ask = permission or (lambda now_s: allowed)
-    pieces = MotionSegments(IRB120, SLOW)
-    return Arm(robot, clock, WIDE, 0.00035, ask, pieces=pieces, wall_s=lambda: clock.time_s)
+    settings = {"wall_s": lambda: clock.time_s, **changes}
+    arm = Arm(robot, clock, IRB120, WIDE, 0.00035, ask, **settings)
+    await arm.set_limits(SLOW)
+    return arm
 
 
 async def connected(kind=GuardedRobot):
@@ -76,7 +92,7 @@ async def connected(kind=GuardedRobot):
 async def test_the_arm_comes_to_its_stop_from_the_same_side_in_pieces():
     whole, clock = await connected(FakeRobot)
     pieces, clock_of_pieces = await connected()
-    arms = make_arm(whole, clock), make_arm(pieces, clock_of_pieces)
+    arms = await make_arm(whole, clock), await make_arm(pieces, clock_of_pieces)
 
     for arm in arms:
         await arm.move(TARGET)
@@ -95,8 +111,9 @@ async def test_a_halt_takes_effect_after_the_piece_under_way():
         asked.append(len(robot.moves))
         return Permission(SessionState.RUNNING, stop_requested=len(robot.moves) >= 3, question=None)
 
+    arm = await make_arm(robot, clock, permission)
     with pytest.raises(MotionForbiddenError, match="A pause or the end"):
-        await make_arm(robot, clock, permission).move(TARGET)
+        await arm.move(TARGET)
 
     assert len(robot.moves) == 3
     assert asked == [0, 1, 2, 3]  # everything is looked at before each piece
@@ -113,7 +130,7 @@ async def test_what_the_permission_rests_on_is_read_anew_before_each_further_pie
         judged_s.append(now_s)
         return Permission(SessionState.RUNNING, stop_requested=False, question=None)
 
-    arm = Arm(robot, clock, WIDE, 0.00035, permission, pieces=MotionSegments(IRB120, SLOW), before_piece=look)
+    arm = await make_arm(robot, clock, permission, before_piece=look)
     await arm.move(TARGET)
 
     assert len(looked_s) == len(robot.moves) - 1 > 10
@@ -122,9 +139,7 @@ async def test_what_the_permission_rests_on_is_read_anew_before_each_further_pie
 
 async def test_where_motions_take_no_wall_time_they_go_out_whole_from_the_second_on():
     robot, clock = await connected()
-    allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
-    pieces = MotionSegments(IRB120, SLOW)
-    arm = Arm(robot, clock, WIDE, 0.00035, lambda now_s: allowed, pieces=pieces, wall_s=lambda: 0.0)
+    arm = await make_arm(robot, clock, wall_s=lambda: 0.0)
 
     await arm.move(TARGET)
     of_the_first = len(robot.moves)
@@ -138,7 +153,7 @@ async def test_an_arm_outside_its_limits_may_be_brought_inside():
     robot, clock = await connected()
     robot.joints = (7.2, *START[1:])
 
-    await make_arm(robot, clock).move(TARGET)
+    await (await make_arm(robot, clock)).move(TARGET)
 
     assert robot.moves[-1] == TARGET
 
