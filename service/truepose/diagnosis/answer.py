@@ -152,7 +152,7 @@ def answered(
         worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
         worse_at=_worse_at(judged),
         withheld=withheld,
-        contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
+        contradicted=_contradicts(judged, tested),
     )
     scene = scene_of(start.problem, tested.selected.fit)
     unseen = unseen_of(start, tested.selected)
@@ -194,6 +194,15 @@ def _foretells_worse(judged: Improvement) -> bool:
     """Whether validation readings are foretold no better with a description than without it."""
     gain = judged.described
     return gain is not None and judged.source == "validation" and gain.rms_before_mm <= gain.rms_after_mm
+
+
+def _contradicts(judged: Improvement, tested: SelectionTests) -> bool:
+    """Whether validation readings are foretold no better with the findings than without them.
+
+    In the folds little help is no reason: four fifths may miss what all readings show (decision 0031).
+    """
+    gain = judged.together
+    return judged.source == "validation" and bool(tested.groups) and gain.rms_before_mm <= gain.rms_after_mm
 
 
 def _worse_at(judged: Improvement) -> WorstPoint | None:

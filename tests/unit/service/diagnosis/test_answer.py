@@ -306,6 +306,18 @@ def test_validation_readings_choose_nothing(contradicted, explained):
     assert found.findings[0].amplitude == explained.findings[0].amplitude
 
 
+def test_without_validation_readings_nothing_is_contradicted_and_the_cause_stays_in_the_model():
+    """Fewer readings show too little of so weak a wave for a fold to choose it: that refutes nothing."""
+    weak = {"joint_harmonics": {"wave_4_5_sin": 2.2e-4}}
+
+    found = diagnose(planted(weak, telling_campaign(30, seed=37), seed=37), PRESENT)
+
+    assert [(one.effect, one.subject) for one in found.findings] == [("joint_harmonics", "joint 4")]
+    assert (found.held_out, found.remaining.structure) == ("cross_validation", False)
+    assert found.after.rms_mm >= found.before.rms_mm
+    assert set(found.findings[0].parameters) <= {parameter.name for parameter in found.model.parameters}
+
+
 def test_what_cannot_be_fitted_is_answered_with_its_reason():
     few = planted(GAIN_4, telling_campaign(5))
 
