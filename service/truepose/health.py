@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.domain.cell import Artefact, Cell
-from truepose.sessions.devices import DeviceStatus, Rack
+from truepose.sessions.devices import DeviceRegistry, DeviceStatus
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.contents import Counts, counted
 from truepose.storage.database import Database
@@ -143,13 +143,13 @@ _SILENT_S: Final = 10.0  # after which it counts as unreadable; a computer may b
 _OF_LATE_S: Final = 60.0
 
 
-class Lookout:
+class HealthMonitor:
     """Finds the state of the service."""
 
     def __init__(
         self,
         database: Database,
-        rack: Rack,
+        rack: DeviceRegistry,
         cell: Cell,
         backups: BackupSchedule | None,
         lines_lost: Callable[[], int],

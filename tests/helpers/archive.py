@@ -6,7 +6,7 @@ from truepose.analysis.archive import Archive, in_folder
 from truepose.analysis.parallel.tasks import Cluster
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 
@@ -39,7 +39,7 @@ def written_archive(folder, readings):
     """Write campaigns with so many readings, each in a folder of its own: campaign-1, campaign-2."""
     scenario = load_scenario("irb120-clean")
     for number, size in enumerate(readings, start=1):
-        write_campaign(record(scenario, number, Wishes(size, 0)), folder / f"campaign-{number}")
+        write_campaign(record(scenario, number, RecordingRequest(size, 0)), folder / f"campaign-{number}")
     return folder
 
 

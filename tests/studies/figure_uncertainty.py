@@ -25,7 +25,7 @@ from truepose.validation.uncertainty import known
 from truepose.validation.validate import validate
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 _FIGURES: Final = ("mean_mm", "rms_mm", "sd_mm", "max_mm")
@@ -60,7 +60,9 @@ def _ratios(seed: int, options: argparse.Namespace) -> dict[tuple[str, str], np.
 
 def _campaign(seed: int, options: argparse.Namespace) -> Campaign:
     recording = record(
-        load_scenario(options.scenario).quiet(), seed, Wishes(options.configurations, options.validation)
+        load_scenario(options.scenario).quiet(),
+        seed,
+        RecordingRequest(options.configurations, options.validation),
     )
     with tempfile.TemporaryDirectory() as folder:
         write_campaign(recording, Path(folder))

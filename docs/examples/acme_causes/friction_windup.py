@@ -7,7 +7,7 @@ with the load. A package brings it as `BROUGHT`; inside the service it would be 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -51,7 +51,7 @@ class FrictionWindup:
         ]
         return tuple(Candidate(NAME, joint_subject(joint), (_spec(joint),)) for joint in joints)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the load keeps the joint from where it is sent."""
         friction, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         sentence = f"The gear of {subject} rubs under load: its joint stops short of where it is sent."

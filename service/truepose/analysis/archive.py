@@ -196,7 +196,7 @@ _RESULTS: Final = "results"
 
 
 @dataclass(frozen=True, slots=True)
-class Anew:
+class ReanalysisResult:
     """What came of an archive."""
 
     changes: tuple[Change, ...]  # in the order of the archive
@@ -227,7 +227,7 @@ class Archive:
         self._failed: dict[int, str] = {}
         self._asked: list[int] = []  # places of the parts that were sent
 
-    def compute(self, cluster: Cluster, told: Told) -> Anew:
+    def compute(self, cluster: Cluster, told: Told) -> ReanalysisResult:
         """Compute what is not there yet, and compare all of it with what was found before.
 
         A result is on disk before the next one is waited for. Raises ClusterError where workers are lost for
@@ -243,7 +243,7 @@ class Archive:
                 computed += 1
             told(len(self._keys) / len(self._campaigns), outcome.name)
         there = len(self._keys) - computed - len(self._failed)
-        return Anew(tuple(self._changes()), computed, there)
+        return ReanalysisResult(tuple(self._changes()), computed, there)
 
     def _missing(self) -> Iterator[Part[ToAnalyse]]:
         for place, campaign in enumerate(self._campaigns):

@@ -16,7 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.analysis.campaigns.ballbar import Counting, LegKept
+from truepose.analysis.campaigns.ballbar import ValidLength, ValidReadings
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PoseForecast
 from truepose.domain.campaign import Stops
@@ -161,7 +161,7 @@ def _tuple(values: FloatArray) -> tuple[float, ...]:
 class EarlyForecast:
     """What all readings of a session say, whichever pairs they are of."""
 
-    def __init__(self, beforehand: SessionForecast, kit: BallbarKit, counting: Counting) -> None:
+    def __init__(self, beforehand: SessionForecast, kit: BallbarKit, counting: ValidReadings) -> None:
         self._beforehand = beforehand
         self._stops: list[int | None] = []  # number in the campaign; None: sides
         self._accounts = self._read(begin(beforehand.kinds(), kit), counting)
@@ -178,7 +178,7 @@ class EarlyForecast:
         stops = (self._stops[index] for index in refuted_stops(self._accounts))
         return frozenset(stop for stop in stops if stop is not None)
 
-    def rms_mm(self, counting: Counting) -> float:
+    def rms_mm(self, counting: ValidReadings) -> float:
         """Return what is left of the legs."""
         squares = []
         for kept in counting.legs:
@@ -208,7 +208,7 @@ class EarlyForecast:
         rows = tuple(tuple(float(value) for value in row) for row in covariance)
         return PoseForecast(pose.config, stop.pairs, tuple(float(value) for value in length), rows)
 
-    def _read(self, accounts: Accounts, counting: Counting) -> Accounts:
+    def _read(self, accounts: Accounts, counting: ValidReadings) -> Accounts:
         for placement in sorted({kept.placement for kept in counting.legs}):
             accounts = accounts.at(self._beforehand.sides(placement))
             self._stops.append(None)
@@ -224,9 +224,9 @@ class EarlyForecast:
         return accounts
 
 
-def _stops(legs: Collection[LegKept], placement: int) -> list[list[LegKept]]:
+def _stops(legs: Collection[ValidLength], placement: int) -> list[list[ValidLength]]:
     """Return the legs of one placement by stop, in the order in which they are listed."""
-    found: dict[int, list[LegKept]] = {}
+    found: dict[int, list[ValidLength]] = {}
     for kept in legs:
         if kept.placement == placement:
             found.setdefault(kept.stop, []).append(kept)

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from truepose.analysis.ballbar_forecasts import EarlyForecast, LengthForecast
-from truepose.analysis.campaigns.ballbar import Counting, RestPose, assemble_ballbar_campaign
+from truepose.analysis.campaigns.ballbar import RestPose, ValidReadings, assemble_ballbar_campaign
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.domain.ballbar import (
     BallbarPlan,
@@ -22,7 +22,7 @@ from truepose.domain.ballbar import (
     PlannedPose,
     PoseForecast,
     PreCalibration,
-    SphereWish,
+    SpherePlanRequest,
 )
 from truepose.domain.cell import BallbarKit, Cell
 from truepose.domain.identification import Identification, Status
@@ -45,7 +45,7 @@ def plan_ballbar_session(
     placements: int,
     poses: int,
     seed: int,
-    sphere: SphereWish | None,
+    sphere: SpherePlanRequest | None,
 ) -> BallbarPlan:
     """Return the plan that is asked for; raises as `truepose.planning.ballbar.plan.ballbar_plan`.
 
@@ -67,7 +67,7 @@ def plan_ballbar_session(
 def next_poses(
     arm: BallbarCell,
     plan: BallbarPlan,
-    counting: Counting,
+    counting: ValidReadings,
     standing: RestPose,
     exchanged: Collection[int],
     foreseen: LengthForecast | EarlyForecast,
@@ -78,7 +78,7 @@ def next_poses(
     ----------
     arm : BallbarCell
     plan : BallbarPlan
-    counting : Counting
+    counting : ValidReadings
     standing : RestPose
         Where the arm is, and at which placement.
     exchanged : collection of int
@@ -95,7 +95,7 @@ def next_poses(
     return tuple(found)
 
 
-def _is_left(pose: PlannedPose, counting: Counting, exchanged: Collection[int]) -> bool:
+def _is_left(pose: PlannedPose, counting: ValidReadings, exchanged: Collection[int]) -> bool:
     """Whether a pose is to be measured, all of it: its fixture must not move between its legs."""
     kept = {leg.leg for leg in counting.legs if leg.config == pose.config}
     return pose.config in exchanged or not set(pose.legs) <= kept
@@ -123,14 +123,14 @@ _WELL_FORESEEN_MM: Final = 0.06  # a wrong pair can be named then; between that 
 _USABLE: Final = frozenset({Status.CONVERGED, Status.NOT_CONVERGED})
 
 
-def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> PreCalibration:
+def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: ValidReadings) -> PreCalibration:
     """Return where to aim from now on, and which lengths to expect there.
 
     Parameters
     ----------
     setup : SessionSetup
     plan : BallbarPlan
-    counting : Counting
+    counting : ValidReadings
         What counts of the session so far.
 
     Raises
@@ -161,19 +161,19 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
 
 
 def _foreseen_early(
-    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: ValidReadings
 ) -> EarlyForecast | None:
     known = known_beforehand(setup.cell, plan, kit)
     return None if known is None else EarlyForecast(known, kit, counting)
 
 
-def _are_few(counting: Counting, early: EarlyForecast) -> bool:
+def _are_few(counting: ValidReadings, early: EarlyForecast) -> bool:
     """Whether a fit would hardly have more lengths than unknowns, and claim more than it knows."""
     return _FEWEST_LEGS <= len(counting.legs) < _TIMES_UNKNOWNS * early.fitted
 
 
 def _fitted(
-    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting, refuted: Collection[int]
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: ValidReadings, refuted: Collection[int]
 ) -> tuple[LengthForecast, float, set[int]]:
     """Return what a fit foresees, what it leaves of the legs, and the poses whose legs were exchanged.
 
@@ -190,7 +190,7 @@ def _fitted(
 
 
 def _identified(
-    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: ValidReadings
 ) -> tuple[Identification, LengthForecast]:
     """Return the model that foresees the planned legs best, the richest one where it foresees them well.
 
@@ -219,11 +219,11 @@ def _typical_u_mm(foreseen: LengthForecast, plan: BallbarPlan) -> float:
     return float(np.median([np.sqrt(np.diag(forecast.covariance_mm2)) for forecast in forecasts]))
 
 
-def _without(counting: Counting, exchanged: Collection[int]) -> Counting:
+def _without(counting: ValidReadings, exchanged: Collection[int]) -> ValidReadings:
     return replace(counting, legs=tuple(kept for kept in counting.legs if kept.config not in exchanged))
 
 
-def _measured_poses(counting: Counting) -> list[PlannedPose]:
+def _measured_poses(counting: ValidReadings) -> list[PlannedPose]:
     """Return the stops that were measured, under the numbers that they have in the campaign."""
     stops = {
         kept.stop: PlannedPose(kept.stop, kept.placement, kept.arrival.commanded_rad, ())
@@ -232,7 +232,7 @@ def _measured_poses(counting: Counting) -> list[PlannedPose]:
     return list(stops.values())
 
 
-def _exchanged(counting: Counting, forecasts: Sequence[PoseForecast], kit: BallbarKit) -> set[int]:
+def _exchanged(counting: ValidReadings, forecasts: Sequence[PoseForecast], kit: BallbarKit) -> set[int]:
     """Return the poses that hold a reading of another pair than the one that was asked for."""
     found = set()
     for forecast in forecasts:

@@ -9,7 +9,7 @@ from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
 from truepose.analysis.job_queue.supervisor import Perform, Turns
 from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.domain.cell import Cell
-from truepose.storage.caches import Drawn, DrawnFolder, drawn_of
+from truepose.storage.caches import DrawnFolder, RenderedPage, drawn_of
 from truepose.version import program_sha256
 
 if TYPE_CHECKING:
@@ -25,9 +25,9 @@ class RenderCache:
     def __init__(self, folder: DrawnFolder) -> None:
         self._folder = folder
         self._turns = Turns(at_once=2, waiting=32, patience_s=60.0)
-        self._under_way: dict[str, asyncio.Task[Drawn]] = {}
+        self._under_way: dict[str, asyncio.Task[RenderedPage]] = {}
 
-    def drawing(self, of: str, draw: Draw) -> asyncio.Task[Drawn]:
+    def drawing(self, of: str, draw: Draw) -> asyncio.Task[RenderedPage]:
         """Return the drawing of something, under way or kept; it goes on where nobody waits for it.
 
         Parameters
@@ -43,7 +43,7 @@ class RenderCache:
             task.add_done_callback(lambda done: self._ended(of, done))
         return task
 
-    async def drawn(self, of: str, draw: Draw) -> Drawn:
+    async def drawn(self, of: str, draw: Draw) -> RenderedPage:
         """Return what was drawn of something, once it is there; raises what `draw` raises, and BusyError."""
         return await asyncio.shield(self.drawing(of, draw))
 
@@ -54,7 +54,7 @@ class RenderCache:
             task.cancel()
         await asyncio.gather(*left, return_exceptions=True)
 
-    async def _drawn(self, of: str, draw: Draw) -> Drawn:
+    async def _drawn(self, of: str, draw: Draw) -> RenderedPage:
         named = f"{await asyncio.to_thread(program_sha256)}\n{of}"
         kept = await asyncio.to_thread(self._folder.get, named)
         if kept is not None:
@@ -65,7 +65,7 @@ class RenderCache:
         await asyncio.to_thread(self._folder.keep, named, drawn)
         return drawn
 
-    def _ended(self, of: str, task: asyncio.Task[Drawn]) -> None:
+    def _ended(self, of: str, task: asyncio.Task[RenderedPage]) -> None:
         del self._under_way[of]
         if not task.cancelled():
             task.exception()  # told to whoever waits; nobody else has to hear of it

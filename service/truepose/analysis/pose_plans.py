@@ -47,7 +47,7 @@ _UP: Final = (0.35, 0.5, 0.2)
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class PosePlanRequest:
     """What was asked for; what is left out is chosen."""
 
     plane: Plane
@@ -55,7 +55,7 @@ class Wish:
     nest: int | None = None
 
 
-def usual_poses(space: WorkSpace, wish: Wish) -> tuple[PosePlan, int]:
+def usual_poses(space: WorkSpace, wish: PosePlanRequest) -> tuple[PosePlan, int]:
     """Return the poses in the largest cube, the tool tilted as little as may be, and the nest that is seen.
 
     Raises ConfigurationError where no such cube was found.
@@ -70,7 +70,7 @@ def usual_poses(space: WorkSpace, wish: Wish) -> tuple[PosePlan, int]:
     raise ConfigurationError(message("refused.no_cube"))
 
 
-def _candidates(space: WorkSpace, wish: Wish) -> Iterator[tuple[Sequence[Cube], FloatArray, int]]:
+def _candidates(space: WorkSpace, wish: PosePlanRequest) -> Iterator[tuple[Sequence[Cube], FloatArray, int]]:
     """Yield cubes of one edge, orientation and nest, the most wanted first."""
     arm = sum(abs(row.a_mm) + abs(row.d_mm) for row in space.robot.joints)
     edges = [edge for edge in _EDGES_MM if edge <= _LARGEST * arm]
@@ -140,7 +140,7 @@ def _usual(wanted: PoseRequest) -> tuple[PosePlan, int]:
         _centre_mm(cell, wanted.nest)
     space = replace(space_of_cell(cell, (), None), robot=_within_limits(cell))
     rotation = None if wanted.quaternion is None else _rotation(np.array(wanted.quaternion))
-    return usual_poses(space, Wish(wanted.plane, rotation, wanted.nest))
+    return usual_poses(space, PosePlanRequest(wanted.plane, rotation, wanted.nest))
 
 
 def _within_limits(cell: Cell) -> Robot:

@@ -10,7 +10,7 @@ from truepose.domain.cell import Cell
 from truepose.identification import identify
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.planning.prediction.robots_and_cells import Subject, of_campaign, of_cell
-from truepose.planning.prediction.tracker import Measured, promised_session
+from truepose.planning.prediction.tracker import ExistingReadings, promised_session
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ def _with_readings(subject: Subject, session: MeasuredSession) -> Subject:
         knowns = replace(subject.knowns, accuracy=shown.accuracy, discrepancy=shown.discrepancy)
         subject = replace(subject, knowns=knowns)
     different = len(np.unique(sites(points.stops)))
-    return replace(subject, measured=Measured(points.stops.joints_rad, points.nest, different))
+    return replace(subject, measured=ExistingReadings(points.stops.joints_rad, points.nest, different))
 
 
 def _promised(subject: Subject, n: int | None) -> Promised:

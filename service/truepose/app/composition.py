@@ -10,7 +10,7 @@ from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Final, cast
 
-from truepose.analysis.campaigns.records import CampaignDesk
+from truepose.analysis.campaigns.records import CampaignService
 from truepose.analysis.drafts import DraftService
 from truepose.analysis.job_queue.supervisor import Perform, perform_in_worker
 from truepose.analysis.job_queue.uploads import Uploads
@@ -30,20 +30,20 @@ from truepose.app.startup import (
 )
 from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
-from truepose.health import Lookout
+from truepose.health import HealthMonitor
 from truepose.messages.message import message
-from truepose.people.accounts import PeopleDesk
+from truepose.people.accounts import PeopleService
 from truepose.sessions.ballbar.planning import BallbarWork
 from truepose.sessions.ballbar.service import BallbarSessions
-from truepose.sessions.cell import PresentCell
-from truepose.sessions.closing import ClosingDesk
+from truepose.sessions.cell import CurrentCell
+from truepose.sessions.closing import ClosingService
 from truepose.sessions.contact.service import ContactSessions
-from truepose.sessions.devices import MountedDevice, Rack
+from truepose.sessions.devices import DeviceRegistry, MountedDevice
 from truepose.sessions.guide.guide import Outlooks
 from truepose.sessions.guide.service import GuidedSessions
 from truepose.sessions.repeated_diagnosis import RepeatedDiagnosis
-from truepose.sessions.service import SessionDesk
-from truepose.sessions.simulated import FaultsDesk, HandsDesk
+from truepose.sessions.service import SessionService
+from truepose.sessions.simulated import FaultService, SimulatedOperatorService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.settings import Settings
 from truepose.storage.caches import DrawnFolder
@@ -139,7 +139,7 @@ async def open_context(
         stack.push_async_callback(rack.clock.close)
         stack.push_async_callback(rack.close)
         backups = copies_of(settings, stack)
-        lookout = Lookout(database, rack, cell, backups, lines_lost)
+        lookout = HealthMonitor(database, rack, cell, backups, lines_lost)
         people = await stack.enter_async_context(people_of(database, settings))
         context = _context(cell, present, database, rack, simulation, perform, lookout, people)
         await context.session_desk.recover()
@@ -158,9 +158,9 @@ def _cell(settings: Settings) -> Cell:
     return simulated_cell(settings.simulated_scenario, settings.simulated_seed)
 
 
-def _present(cell: Cell, settings: Settings) -> PresentCell:
+def _present(cell: Cell, settings: Settings) -> CurrentCell:
     file = settings.cell_file
-    return PresentCell(cell, None if file is None else lambda: read_cell(file))
+    return CurrentCell(cell, None if file is None else lambda: read_cell(file))
 
 
 async def _simulation(
@@ -214,7 +214,7 @@ def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
     return [name for name, plugin in drivers.plugins.items() if plugin.protocol == endpoint.protocol][:1]
 
 
-def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Rack:
+def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> DeviceRegistry:
     kinds = {entry.name: drivers.kind(entry.driver, entry.use) for entry in cell.devices}
     clock_entries = [entry for entry in cell.devices if kinds[entry.name] == "clock"]
     clock = _clock(simulation, clock_entries, drivers)
@@ -229,7 +229,7 @@ def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) ->
         for entry in cell.devices
         if entry not in clock_entries
     ]
-    return Rack(mounted, clock)
+    return DeviceRegistry(mounted, clock)
 
 
 def _clock(
@@ -247,13 +247,13 @@ def _clock(
 
 def _context(
     cell: Cell,
-    present: PresentCell,
+    present: CurrentCell,
     database: Database,
-    rack: Rack,
+    rack: DeviceRegistry,
     simulation: Simulation | None,
     perform: Perform,
-    lookout: Lookout,
-    people: PeopleDesk,
+    lookout: HealthMonitor,
+    people: PeopleService,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
@@ -261,11 +261,11 @@ def _context(
     corrections, closings = CorrectionRepository(database), ClosingRepository(database)
     additions, drafts = AddedStopsRepository(database), DraftFolder.beside(database.file)
     job_desk = JobService(jobs, campaigns, results, diagnoses, corrections, perform)
-    session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
+    session_desk = SessionService(sessions, LedgerRepository(database), rack, present)
     contact_sessions, work = ContactSessions(session_desk), BallbarWork(perform)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
     made_of = (ballbar_sessions.campaign, contact_sessions.campaign)
-    campaign_desk = CampaignDesk(campaigns, sessions, readings, *made_of, Uploads())
+    campaign_desk = CampaignService(campaigns, sessions, readings, *made_of, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     tracker_sessions = TrackerSessions(session_desk, additions, again.after_session)
     return Context(
@@ -293,11 +293,11 @@ def _context(
         ballbar_sessions=ballbar_sessions,
         contact_sessions=contact_sessions,
         guided_sessions=GuidedSessions(tracker_sessions, contact_sessions, readings, Outlooks(perform)),
-        hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
-        faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
+        hands_desk=SimulatedOperatorService(rack, ballbar_sessions.frame_of),
+        faults_desk=FaultService(None if simulation is None else simulation.ask_of_faults, present),
         drawing_desk=Renderer(perform, RenderCache(DrawnFolder.beside(database.file))),
         promise_desk=AccuracyService(perform),
-        closing_desk=ClosingDesk(sessions, closings, rack, present, session_desk.kind_of),
+        closing_desk=ClosingService(sessions, closings, rack, present, session_desk.kind_of),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         people=people,

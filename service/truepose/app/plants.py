@@ -13,7 +13,7 @@ from truepose.app.startup import beside, copies_of, opened_database, people_of, 
 from truepose.exchange.cells.plant import read_plant_file
 from truepose.plant.calibration_due import DueAfter
 from truepose.plant.changes import RobotsChanged
-from truepose.plant.collector import Collector, Pace, Shelves, collecting
+from truepose.plant.collector import Collector, Pace, PlantRepositories, collecting
 from truepose.settings import PlantSettings
 from truepose.storage.caches import Comparisons, DrawnFolder
 from truepose.storage.contents import require_of_plant
@@ -57,7 +57,9 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         people = await stack.enter_async_context(people_of(database, settings.service))
         journal, visits = JournalRepository(database), VisitRepository(database)
         hand_downs = HandDownRepository(database)
-        collector = Collector(plant.cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
+        collector = Collector(
+            plant.cells, PlantRepositories(journal, hand_downs), visits, Pace(settings.every_s)
+        )
         await journal.enter(*(cell.name for cell in plant.cells))
         beside(stack, Guard(database).follow(), "storage guard")
         copies = copies_of(settings.service, stack)

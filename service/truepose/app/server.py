@@ -26,7 +26,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
 from truepose.messages.error_codes import code_of
-from truepose.people.accounts import PeopleDesk
+from truepose.people.accounts import PeopleService
 from truepose.processes import asked_to_end
 from truepose.settings import Settings
 from truepose.storage.database import Database
@@ -112,7 +112,7 @@ class ServiceContext(Protocol):
         """Where records are kept."""
 
     @property
-    def people(self) -> PeopleDesk:
+    def people(self) -> PeopleService:
         """Who asks."""
 
     @property

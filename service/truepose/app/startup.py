@@ -7,7 +7,7 @@ from collections.abc import Coroutine
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol
 
-from truepose.people.accounts import PeopleDesk, open_people
+from truepose.people.accounts import PeopleService, open_people
 from truepose.people.secrets import Pins
 from truepose.settings import Settings
 from truepose.storage.backup.restoring import put_ready_in_place
@@ -59,7 +59,9 @@ def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSch
     return copies
 
 
-def people_of(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
+def people_of(
+    database: Database, settings: Settings
+) -> contextlib.AbstractAsyncContextManager[PeopleService]:
     """Return what opens everything about who asks."""
     own = None if settings.pin_secret is None else Pepper(settings.pin_secret)
     pins = Pins(own or Pepper.beside(database.file))

@@ -18,7 +18,7 @@ from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.messages.catalogue import english
 
 if TYPE_CHECKING:
-    from truepose.analysis.archive import Anew, ArchivedCampaign
+    from truepose.analysis.archive import ArchivedCampaign, ReanalysisResult
     from truepose.analysis.archive_outcomes import Change
     from truepose.exchange.campaigns.points_with_joints import Arrival
     from truepose.identification.resampling import Spread
@@ -84,7 +84,7 @@ def _computed(
     effects: tuple[str, ...] | None,
     against: Path | None,
     where: str | None,
-) -> "Anew":
+) -> "ReanalysisResult":
     from truepose.analysis.archive import Archive
     from truepose.analysis.parallel.local_pool import workers
     from truepose.effects.registry import chosen_effects
@@ -106,7 +106,7 @@ def _write(file: Path, changes: "Sequence[Change]") -> None:
         csv.writer(opened).writerows(map(written_text, row) for row in table(changes))
 
 
-def _lines(anew: "Anew", table: Path) -> Iterator[str]:
+def _lines(anew: "ReanalysisResult", table: Path) -> Iterator[str]:
     differing = [row for row in anew.changes if row.differs]
     for row in differing[:_MOST_LINES]:
         yield f"{row.campaign}: {_told(row)}"
@@ -136,7 +136,7 @@ def _told(row: "Change") -> str:
     return ", ".join(parts)
 
 
-def _document(anew: "Anew", table: Path) -> dict[str, object]:
+def _document(anew: "ReanalysisResult", table: Path) -> dict[str, object]:
     import dataclasses
 
     return {
@@ -214,7 +214,7 @@ def _taken(arrival: "Arrival", out: Path) -> bool:
     return answer.model is not None
 
 
-class By(StrEnum):
+class ResamplingUnit(StrEnum):
     """What is drawn."""
 
     NOISE = "noise"
@@ -224,12 +224,12 @@ class By(StrEnum):
 def resample_command(
     campaign: CampaignPath,
     by: Annotated[
-        By,
+        ResamplingUnit,
         typer.Option(
             help="Noise as stated and priors as believed (Monte Carlo), or configurations with replacement "
             "(bootstrap).",
         ),
-    ] = By.CONFIGURATIONS,
+    ] = ResamplingUnit.CONFIGURATIONS,
     draws: Annotated[int, typer.Option(min=10, max=1_000_000)] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same draws.")] = 0,
     effects: Annotated[

@@ -112,10 +112,10 @@ def _asked(
 ) -> "CorrectionRequest":
     from truepose.exchange.document import read_bytes
     from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
-    from truepose.exchange.programs.program import Meant
+    from truepose.exchange.programs.program import TargetConventions
 
     return CorrectionRequest(
-        meant=None if frame is None else Meant(frame.value),
+        meant=None if frame is None else TargetConventions(frame.value),
         defined=dict(frame_defined(text, "--define") for text in define),
         branch=None if branch is None else branch_named(branch, "--branch"),
         angles=angles,

@@ -16,7 +16,7 @@ from truepose.messages.catalogue import english
 
 if TYPE_CHECKING:
     from truepose.exchange.ballbar_result import BallbarResult
-    from truepose.exchange.campaigns.points_with_joints import Joined
+    from truepose.exchange.campaigns.points_with_joints import JoinedTable
     from truepose.exchange.import_wizard.dialogue import Choices, Understood
     from truepose.exchange.json_text import Json as JsonValue
 
@@ -160,7 +160,7 @@ def _centre(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _left_over(found: "Joined", joints: str) -> list[str]:
+def _left_over(found: "JoinedTable", joints: str) -> list[str]:
     """Return what belongs to nothing, so that nobody believes it was used."""
     said = []
     if found.points_alone:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from truepose.analysis.best_plan import MakePlan
     from truepose.domain.cell import KeepOuts
     from truepose.domain.robot import Nest, Robot
-    from truepose.planning.contacts.loop_configurations import LoopWish
+    from truepose.planning.contacts.loop_configurations import LoopPlanRequest
     from truepose.planning.prediction.plan import PromisedPlan, WorkVolume
     from truepose.planning.prediction.robots_and_cells import Subject
 
@@ -276,10 +276,10 @@ def _for_loop(asked: _PlanRequest, loop: _Loop, discrepancy_mm: float | None) ->
     return _RobotPlan(subject.space.robot, plan, minutes_of(session_plan(plan), subject.space, 0))
 
 
-def _wish(loop: _Loop, nests: "tuple[Nest, ...]", reading_mm: float | None) -> "LoopWish":
+def _wish(loop: _Loop, nests: "tuple[Nest, ...]", reading_mm: float | None) -> "LoopPlanRequest":
     from truepose.exchange.document import read_bytes
     from truepose.exchange.tables.contacts import read_distance_table, read_target_table
-    from truepose.planning.contacts.loop_configurations import LoopWish
+    from truepose.planning.contacts.loop_configurations import LoopPlanRequest
 
     targets, _ = read_target_table(loop.targets.name, read_bytes(loop.targets))
     distances = None
@@ -288,7 +288,7 @@ def _wish(loop: _Loop, nests: "tuple[Nest, ...]", reading_mm: float | None) -> "
     used = loop.nests or tuple(range(1, len(nests) + 1))
     if used and not 1 <= min(used) <= max(used) <= len(nests):
         raise ConfigurationError(f"--nests {max(used)}: the tool has nests 1 to {len(nests)}.")
-    return LoopWish(targets, used, _USUAL_READING_MM if reading_mm is None else reading_mm, distances)
+    return LoopPlanRequest(targets, used, _USUAL_READING_MM if reading_mm is None else reading_mm, distances)
 
 
 def _write(file: Path, plan: "PromisedPlan") -> None:

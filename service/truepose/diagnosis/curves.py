@@ -37,7 +37,7 @@ from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Curve, CurvePoints, Spectrum
 from truepose.domain.singular_covariance import solved
-from truepose.effects.causes import Candidate, Fitted, Scene
+from truepose.effects.causes import Candidate, FittedCause, Scene
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.effects.signatures import drawn_as
@@ -212,7 +212,7 @@ def finding_spectrum(selected: Selection, group: tuple[Candidate, ...]) -> Spect
     if group[0].effect not in effects_with(Trait.WAVES):
         return None
     names = names_of(group)
-    found = spectrum(Fitted(names, *values_of(selected, names)))
+    found = spectrum(FittedCause(names, *values_of(selected, names)))
     return found if len(found.order) > 1 else None
 
 

@@ -16,7 +16,7 @@ from truepose.diagnosis.reading_faults import gathered
 from truepose.diagnosis.screening.selection import Selection
 from truepose.domain.arrays import BoolArray
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
-from truepose.effects.causes import Candidate, Description, Fitted
+from truepose.effects.causes import Candidate, Description, FittedCause
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.readings.outliers import NAME as OUTLIERS
@@ -142,7 +142,7 @@ def _shown(effect: str, subject: str, number: int, readings: int, start: Start) 
     """
     share = number / max(readings, 1)
     uncertainty = float(np.sqrt(max(share * (1.0 - share), 1.0 / max(readings, 1)) / max(readings, 1)))
-    fitted = Fitted((), np.array([share]), np.array([[uncertainty**2]]))
+    fitted = FittedCause((), np.array([share]), np.array([[uncertainty**2]]))
     return CAUSES[effect].describe(subject, fitted, start.scene)
 
 

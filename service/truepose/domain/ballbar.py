@@ -85,7 +85,7 @@ class BallbarPlan:
 
 
 @dataclass(frozen=True, slots=True)
-class SphereWish:
+class SpherePlanRequest:
     """What is wanted of a sphere test."""
 
     nests: tuple[int, ...] = (1, 2)  # one after the other

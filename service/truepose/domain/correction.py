@@ -13,7 +13,7 @@ CORRECTED: Final = ("ok", "limits_unknown")  # statuses of targets that have joi
 
 
 @dataclass(frozen=True, slots=True)
-class LeftAlone:
+class UncorrectedTarget:
     """What moves the robot, or would be a target, and cannot be corrected by changing numbers.
 
     `file` is that of the line, if it is another one than the program.
@@ -101,6 +101,6 @@ class FileCorrection:
 
     totals: CorrectionTotals
     largest_shift_mm: float  # NaN where nothing was corrected
-    left_alone: tuple[LeftAlone, ...]  # the first of them
+    left_alone: tuple[UncorrectedTarget, ...]  # the first of them
     left_alone_count: int
     cautions: tuple[Message, ...]  # what the predictions do not contain, and what was not understood

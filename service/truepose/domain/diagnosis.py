@@ -105,7 +105,7 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
-class Worth:
+class EffectSize:
     """How far a cause moves the tool over the calibration readings [mm]; of legs, how much a length.
 
     `own_mm` is the RMS by which they would be missed without it, all other parameters fitted again: a joint
@@ -139,7 +139,7 @@ class Finding:
     where: str = ""  # "joint 3", "base"; nothing in what was stored before findings said so
     over: str = ""  # what it depends on: "angle of joint 3", "time"
     shape: Shape | None = None
-    worth: Worth | None = None  # None for bad readings
+    worth: EffectSize | None = None  # None for bad readings
     spectrum: Spectrum | None = None  # of several waves of a joint
 
 
@@ -167,7 +167,7 @@ class Described:
 
     where: str  # "joint 2"
     over: str  # "angle of joint 1"
-    worth: Worth
+    worth: EffectSize
 
 
 @dataclass(frozen=True, slots=True)

@@ -148,7 +148,7 @@ class MeasuredZone:
 
 
 @dataclass(frozen=True, slots=True)
-class Shortfall:
+class ModelInadequacy:
     """What a model of P parameters lacks, as far as its readings show it: c functions of single joints.
 
     They are considered and not estimated: the model is used without them, and what is left of them at a
@@ -202,7 +202,7 @@ class Model:
     targets: tuple[Target, ...] = ()  # of contacts; the parameters target_* start from their places
     nominal_targets: tuple[float, ...] = ()  # what these parameters are around the nominal robot
     zone: MeasuredZone | None = None  # None: nobody said
-    shortfall: Shortfall | None = None  # None: the discrepancy stands for it, the same everywhere
+    shortfall: ModelInadequacy | None = None  # None: the discrepancy stands for it, the same everywhere
     identified_from: dict[str, str | int | float] = field(default_factory=dict)
     program_version: str = ""
 

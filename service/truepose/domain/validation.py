@@ -47,7 +47,7 @@ class DistanceErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class Shell:
+class DistanceBin:
     """Errors of the readings at some distance from something."""
 
     from_mm: float
@@ -70,8 +70,8 @@ class ErrorsByPlace:
     zone_centre_mm: tuple[float, float, float]  # world: of the last frame's places
     zone_radius_mm: float  # no place of the zone is farther from its middle
     zone_stated: bool  # by the model; else it is that of the readings that judge
-    from_zone: tuple[Shell, ...]  # distance of the last frame from the middle of the zone
-    from_axis: tuple[Shell, ...]  # distance of the last frame from the line of axis 1
+    from_zone: tuple[DistanceBin, ...]  # distance of the last frame from the middle of the zone
+    from_axis: tuple[DistanceBin, ...]  # distance of the last frame from the line of axis 1
     branches: tuple[BranchErrors, ...]
 
 

@@ -192,7 +192,7 @@ class Description:
         return not self.limits.low - slack <= self.amplitude <= self.limits.high + slack
 
 
-class Fitted(NamedTuple):
+class FittedCause(NamedTuple):
     """Parameters of one cause on one subject as they were fitted; several candidates may share a subject.
 
     Attributes
@@ -294,14 +294,14 @@ class Cause(Effect, Protocol):
         """
         ...
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Put fitted parameters into words.
 
         Parameters
         ----------
         subject : str
             As of the candidates.
-        fitted : Fitted
+        fitted : FittedCause
             Of all candidates on that subject that were found, one or more.
         scene : Scene
         """

@@ -16,7 +16,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
 from truepose.domain.identification import NotIdentifiable
-from truepose.effects.causes import Candidate, Cause, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Cause, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import (
     Effect,
     Need,
@@ -221,7 +221,7 @@ class _GuardedCause(_GuardedEffect):
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         return _asked(self.name, lambda: tuple(self._cause.candidates(scene)))
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         return _asked(self.name, self._cause.describe, subject, fitted, scene)
 
 

@@ -27,7 +27,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Detail
 from truepose.domain.identification import Unit
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, norm_with_uncertainty, varied
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, norm_with_uncertainty, varied
 from truepose.effects.ports import ParameterSpec, Port, Rows, Term
 from truepose.messages.message import Message, Text, message
 
@@ -190,12 +190,12 @@ def split_motion(name: str) -> tuple[str, int]:
     return prefix, COMPONENTS.index(component)
 
 
-def fitted_motion(fitted: Fitted, share: Callable[[str], float]) -> Motion:
+def fitted_motion(fitted: FittedCause, share: Callable[[str], float]) -> Motion:
     """Add up fitted motions, each parameter counted by the share that its prefix has in the sum.
 
     Parameters
     ----------
-    fitted : Fitted
+    fitted : FittedCause
         Of parameters `<prefix>_<component>`.
     share : callable
         Prefix to number: 1 and 0 choose, a way per rate makes rates of several shapes comparable.
@@ -418,13 +418,13 @@ def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tu
     return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 
 
-def describe_drift(subject: str, fitted: Fitted, scene: Scene, who: Message) -> Description:
+def describe_drift(subject: str, fitted: FittedCause, scene: Scene, who: Message) -> Description:
     """Say how fast `who` moves, on average over the measurements; several shapes are added up.
 
     Parameters
     ----------
     subject : str
-    fitted : Fitted
+    fitted : FittedCause
         Rates [mm/h, rad/h] of one or more shapes.
     scene : Scene
     who : Message
@@ -457,7 +457,7 @@ def _constant_details(constants_s: list[float]) -> list[Detail]:
     return [Detail("time_constant", tau_s, "s", tau_s / float(np.sqrt(12.0))) for tau_s in constants_s]
 
 
-def _constants_s(fitted: Fitted) -> list[float]:
+def _constants_s(fitted: FittedCause) -> list[float]:
     shapes = {_shape_of(split_motion(name)[0]) for name in fitted.names}
     return sorted(tau_s for tau_s in map(_time_constant_s, shapes) if tau_s is not None)
 

@@ -304,7 +304,7 @@ class Drifting(Protocol):
 
 
 @runtime_checkable
-class Telling(Protocol):
+class EffectWithTraits(Protocol):
     """An effect with traits."""
 
     @property

@@ -33,11 +33,11 @@ from truepose.effects.ports import (
     Discrepancy,
     Drifting,
     Effect,
+    EffectWithTraits,
     LeavesOpen,
     Need,
     Setting,
     Summed,
-    Telling,
     Trait,
 )
 from truepose.effects.readings.label_swap import LabelSwap
@@ -168,7 +168,7 @@ def effects_with(trait: Trait) -> tuple[str, ...]:
 
 @cache
 def _traits() -> Mapping[str, frozenset[Trait]]:
-    return {name: effect.traits for name, effect in EFFECTS.items() if isinstance(effect, Telling)}
+    return {name: effect.traits for name, effect in EFFECTS.items() if isinstance(effect, EffectWithTraits)}
 
 
 @cache

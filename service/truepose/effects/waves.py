@@ -11,7 +11,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail, Spectrum
-from truepose.effects.causes import Fitted, Scene, norm_beyond_noise, norm_with_uncertainty
+from truepose.effects.causes import FittedCause, Scene, norm_beyond_noise, norm_with_uncertainty
 from truepose.effects.ports import ParameterSpec
 from truepose.messages.message import Message, message
 
@@ -22,12 +22,12 @@ _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
 _HIGHEST_OF_UNKNOWN_GEAR = 12
 
 
-def spectrum(fitted: Fitted) -> Spectrum:
+def spectrum(fitted: FittedCause) -> Spectrum:
     """Return the amplitudes of fitted waves by their order.
 
     Parameters
     ----------
-    fitted : Fitted
+    fitted : FittedCause
         Sines and cosines of one joint [rad].
     """
     waves = fitted_waves(fitted)
@@ -130,12 +130,12 @@ class FittedWave:
         return [*found, Detail("phase", self._phase_deg, "deg", turn)]
 
 
-def fitted_waves(fitted: Fitted) -> list[FittedWave]:
+def fitted_waves(fitted: FittedCause) -> list[FittedWave]:
     """Return the waves that fitted parameters are of, by ascending order.
 
     Parameters
     ----------
-    fitted : Fitted
+    fitted : FittedCause
         Sine and cosine of each wave, of one joint.
     """
     found = []

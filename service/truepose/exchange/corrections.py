@@ -17,13 +17,13 @@ from truepose.correction import (
     meant_by_joints,
 )
 from truepose.domain.arrays import IntArray
-from truepose.domain.correction import CorrectionTotals, LeftAlone
+from truepose.domain.correction import CorrectionTotals, UncorrectedTarget
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.correction_request import CorrectionRequest
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
-from truepose.exchange.programs.program import Meant, Program
+from truepose.exchange.programs.program import Program, TargetConventions
 from truepose.exchange.programs.program_correction import corrected_program
 from truepose.exchange.robots.named import with_known_limits
 from truepose.exchange.tables.table_reader import TableData
@@ -56,7 +56,7 @@ class Answer:
     """What a file came to, beside its corrected text."""
 
     summary: Summary = field(default_factory=Summary)
-    left_alone: tuple[LeftAlone, ...] = ()
+    left_alone: tuple[UncorrectedTarget, ...] = ()
     cautions: tuple[Message, ...] = ()  # what the predictions do not contain, and what was not understood
     withheld: Message | None = None  # why the corrected text must not be used
 
@@ -152,9 +152,11 @@ def _correct_table(
     return answer
 
 
-def table_cautions(model: Model, part: Targets, rows: Rows, meant: Meant | None) -> tuple[Message, ...]:
+def table_cautions(
+    model: Model, part: Targets, rows: Rows, meant: TargetConventions | None
+) -> tuple[Message, ...]:
     """Return what was not understood of a table, or wrongly, and what its predictions do not contain."""
-    mistake = part.poses and likely_mistake(model, part.poses, in_base=meant is Meant.BASE)
+    mistake = part.poses and likely_mistake(model, part.poses, in_base=meant is TargetConventions.BASE)
     return (
         *([mistake] if mistake else []),
         *part.ignored,
@@ -168,10 +170,10 @@ def _parts(model: Model, name: str, data: TableData, asked: CorrectionRequest) -
     return targets_of(name, data, model.robot.n_joints, nests, **most)
 
 
-def _goals(model: Model, part: Targets, meant: Meant | None) -> Goals:
+def _goals(model: Model, part: Targets, meant: TargetConventions | None) -> Goals:
     if part.poses is None:
         return meant_by_joints(model, part.stops)
-    return in_world(model, part.poses) if meant is Meant.BASE else part.poses
+    return in_world(model, part.poses) if meant is TargetConventions.BASE else part.poses
 
 
 def _correct_program(

@@ -81,7 +81,7 @@ class RealChange:
 
 
 @dataclass(frozen=True, slots=True)
-class Tries:
+class AlternativesTried:
     """What was tried beside the changes that are named."""
 
     causes: tuple[AgeingCause, ...]  # of robots and the type
@@ -116,7 +116,7 @@ class Account:
     estimated: Estimate  # with the named changes in the model
     birge_ratio: float  # of variances, of the middle robot; 1: campaigns scatter as their readings say
     named: tuple[RealChange, ...]
-    tries: Tries
+    tries: AlternativesTried
     unlike: tuple[OutlyingCampaign, ...] = ()  # campaigns that were left out; places as they were given
 
     @property
@@ -160,10 +160,10 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     return Account(sought.fleet, estimated, float(sought.ratios.min()), named, tries, others)
 
 
-def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> Tries:
+def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> AlternativesTried:
     number = Counter[Scope](one.change.scope for one in trials)
     excess = {one.change.cause.key: one.excess for one in trials}
-    return Tries(causes, tuple(excess.get(cause.key, 1.0) for cause in causes), number, level)
+    return AlternativesTried(causes, tuple(excess.get(cause.key, 1.0) for cause in causes), number, level)
 
 
 class _Sought:

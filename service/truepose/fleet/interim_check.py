@@ -48,7 +48,7 @@ from truepose.fleet.minimum_detectable_change import noncentrality
 from truepose.fleet.predicted_accuracy import of_robot_now
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.expected_covariance import LEAST_MM, ArmKnowledge, Knowns
+from truepose.planning.prediction.expected_covariance import LEAST_MM, ArmKnowledge, PriorKnowledge
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
 from truepose.planning.workspace.space import WorkSpace
 
@@ -86,7 +86,7 @@ def quick_check(
     belief: JointPrior,
     causes: Sequence[AgeingCause],
     grown_mm: float,
-    knowns: Knowns,
+    knowns: PriorKnowledge,
     most: int = _MOST,
 ) -> InterimCheck:
     """Choose the configurations.
@@ -102,7 +102,7 @@ def quick_check(
         K causes that age, over the belief's parameters and the scale.
     grown_mm : float
         Growth that is to be told, root mean square over the candidates.
-    knowns : Knowns
+    knowns : PriorKnowledge
         Of instrument and artefacts; what it believes is replaced.
     most : int
         Configurations at most.
@@ -283,7 +283,7 @@ def asked_of(account: Account) -> tuple[AgeingCause, ...]:
 
 
 def check_of(
-    account: Account, robot: str, space: WorkSpace, knowns: Knowns, grown_mm: float, seed: int = 0
+    account: Account, robot: str, space: WorkSpace, knowns: PriorKnowledge, grown_mm: float, seed: int = 0
 ) -> InterimCheck:
     """Choose the configurations that tell whether a robot's causes have grown.
 
@@ -294,7 +294,7 @@ def check_of(
         Of the fleet.
     space : WorkSpace
         As it was measured last.
-    knowns : Knowns
+    knowns : PriorKnowledge
     grown_mm : float
         Growth that is to be told.
     seed : int

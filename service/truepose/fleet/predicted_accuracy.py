@@ -33,7 +33,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import JointPrior, automatic_effects, build, with_belief
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import Discrepancy, mean_norms, spread
-from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns, ReadingInformation
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge, ReadingInformation
 from truepose.planning.prediction.plan import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import WorkSpace
@@ -156,7 +156,7 @@ def promise(
     *,
     readings: int = 15,
     without: int = 50,
-    knowns: Knowns | None = None,
+    knowns: PriorKnowledge | None = None,
     seed: int = 0,
 ) -> PredictedAccuracy:
     """Say what few readings with the type's belief promise, and more of them without.
@@ -170,7 +170,7 @@ def promise(
         Of a robot of the type, at whose configurations is seen what the usual effects lack.
     readings, without : int
         Configurations measured with the belief, and without it.
-    knowns : Knowns, optional
+    knowns : PriorKnowledge, optional
     seed : int
 
     Returns
@@ -182,7 +182,7 @@ def promise(
     WorkSpaceError, TooFewCandidatesError
         As `draw_candidates` and `planning.prediction.plan.sample`.
     """
-    known = knowns or Knowns()
+    known = knowns or PriorKnowledge()
     lacking = lacking_mm(belief, typical)
     # As a robot of no known type: what waves and gaps do is then expressed by nothing.
     more = replace(known, discrepancy=Discrepancy(lacking, _KNOWN_TO), believed=None)
@@ -219,7 +219,7 @@ def as_stated(belief: JointPrior) -> JointPrior:
 class _Measuring:
     """Configurations in the order of choice, each the one that tells most beside those before it."""
 
-    def __init__(self, space: WorkSpace, knowns: Knowns, most: int, seed: int) -> None:
+    def __init__(self, space: WorkSpace, knowns: PriorKnowledge, most: int, seed: int) -> None:
         rng = np.random.default_rng(seed)
         candidates = draw_candidates(space, _CANDIDATES, rng)
         self._knowledge = ArmKnowledge(space, candidates, knowns)

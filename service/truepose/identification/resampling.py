@@ -34,7 +34,7 @@ from truepose.domain.identification import Unit
 from truepose.effects.registry import chosen_effects
 from truepose.identification.fit.robust import RobustFit, robust_fit
 from truepose.identification.fit.solver import solve
-from truepose.identification.observations.blocks import Block, StackedBlocks, linearise_blocks
+from truepose.identification.observations.blocks import ObservationBlock, StackedBlocks, linearise_blocks
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.identification.verdict.outlier_reasons import within_reach
 
@@ -216,7 +216,7 @@ class Resampling:
         )
 
 
-def _drawn(block: Block, configurations: IntArray) -> Block:
+def _drawn(block: ObservationBlock, configurations: IntArray) -> ObservationBlock:
     """Return the readings of configurations that were drawn; one drawn twice is two of them."""
     config = block.targets.stops.config
     rows = [np.flatnonzero(config == one) for one in configurations]

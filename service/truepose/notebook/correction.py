@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections import corrected_rows, reason_to_withhold, table_cautions
 from truepose.exchange.models.acceptance import require_plausible
 from truepose.exchange.programs.correction_request import CorrectionRequest
-from truepose.exchange.programs.program import Meant
+from truepose.exchange.programs.program import TargetConventions
 from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.messages.catalogue import english
@@ -164,9 +164,11 @@ def correct(
     parts: list[Found] = []
     cautions: tuple[Message, ...] = ()
     summary = Summary()
-    for part, rows in corrected_rows(data, *named_data(targets, "targets"), CorrectionRequest(Meant(frame))):
+    for part, rows in corrected_rows(
+        data, *named_data(targets, "targets"), CorrectionRequest(TargetConventions(frame))
+    ):
         if not parts:
-            cautions = table_cautions(data, part, rows, Meant(frame))
+            cautions = table_cautions(data, part, rows, TargetConventions(frame))
         names += rows.names
         parts.append(rows.found)
         summary.add(rows.names, rows.found)

@@ -41,7 +41,7 @@ _LINK_IS_OVER: Final = message("people.link_is_over")
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
+class Preferences:
     """What somebody chose for themselves; None: stays as it is."""
 
     password: str | None = None
@@ -110,14 +110,14 @@ class Accounts:
         right = hmac.compare_digest(secret.encode(), self.first_secret.encode())
         return right and self.nobody_entered and self._asked_for
 
-    async def enter_first(self, secret: str, name: str, chosen: Chosen, address: str) -> SignedIn:
+    async def enter_first(self, secret: str, name: str, chosen: Preferences, address: str) -> SignedIn:
         """Enter the first person, as administrator; raises SignInRefusedError, AccountRefusedError."""
         with self.attempts.by_link(address):
             person = await self._first_person(secret, name, chosen)
             await self.choose(person, chosen)
         return await self.sign_ins.opened(person, "", address)
 
-    async def _first_person(self, secret: str, name: str, chosen: Chosen) -> Person:
+    async def _first_person(self, secret: str, name: str, chosen: Preferences) -> Person:
         async with self._first:
             if not self.opens_first(secret):
                 raise SignInRefusedError(_LINK_IS_OVER)
@@ -155,7 +155,7 @@ class Accounts:
         record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
         return None if record is None else self.register.person(record.person_id)
 
-    async def accept(self, secret: str, chosen: Chosen, address: str) -> SignedIn:
+    async def accept(self, secret: str, chosen: Preferences, address: str) -> SignedIn:
         """Let somebody choose a password by their link; raises SignInRefusedError, AccountRefusedError."""
         with self.attempts.by_link(address):
             _require_usable(chosen)
@@ -169,7 +169,7 @@ class Accounts:
             await self.choose(person, chosen)
         return await self.sign_ins.opened(person, "", address)
 
-    async def choose(self, person: Person, chosen: Chosen) -> None:
+    async def choose(self, person: Person, chosen: Preferences) -> None:
         """Keep what somebody chose; a new password closes every tablet they had opened."""
         _require_usable(chosen)
         if chosen.password is not None:
@@ -233,7 +233,7 @@ class Accounts:
         return Caller(name, role, person, tablet_name=record.document["name"], token=record.id)
 
 
-def _require_usable(chosen: Chosen) -> None:
+def _require_usable(chosen: Preferences) -> None:
     """Raise AccountRefusedError for what is too easily guessed."""
     if chosen.password is not None and len(chosen.password) < SHORTEST_PASSWORD:
         raise AccountRefusedError(message("people.password_length", characters=SHORTEST_PASSWORD))
@@ -245,7 +245,7 @@ _LOG: Final = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class PeopleDesk:
+class PeopleService:
     """Who is entered, who acts where, and what they did."""
 
     accounts: Accounts
@@ -258,7 +258,7 @@ class PeopleDesk:
 @contextlib.asynccontextmanager
 async def open_people(
     database: Database, pins: Pins, *, asked_for: bool, alone: bool
-) -> AsyncIterator[PeopleDesk]:
+) -> AsyncIterator[PeopleService]:
     """Open the desk; what was noted is on disk when it closes."""
     stored = CredentialRepository(database)
     register = Register(stored)
@@ -270,7 +270,7 @@ async def open_people(
     _warn_of_pins(accounts)
     following = asyncio.create_task(log.follow(), name="acts")
     try:
-        yield PeopleDesk(accounts, Leases(elapsed_s), acts, log, Guesses(elapsed_s))
+        yield PeopleService(accounts, Leases(elapsed_s), acts, log, Guesses(elapsed_s))
     finally:
         log.end()
         await following

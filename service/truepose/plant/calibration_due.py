@@ -14,7 +14,7 @@ from enum import StrEnum
 from typing import Final
 
 from truepose.messages.message import Message, Value, message
-from truepose.storage.caches import Compared, Foreseen
+from truepose.storage.caches import FleetComparison, LimitForecast
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 from truepose.storage.plant.result_projections import FAILED, ToldKind
 
@@ -23,7 +23,7 @@ _AHEAD: Final = timedelta(days=1)  # of the plant's day, in another time zone
 _UNEXPLAINED: Final = "unexplained"
 
 
-class Why(StrEnum):
+class DueReason(StrEnum):
     """What speaks for measuring a robot, the most urgent first."""
 
     UNMEASURED = "unmeasured"
@@ -55,18 +55,18 @@ class Evidence:
 
     told: Mapping[str, Mapping[ToldKind, ResultFacts]] = field(default_factory=dict)  # by robot
     expires: Mapping[str, str] = field(default_factory=dict)  # last day of an instrument's certificate
-    compared: Sequence[Compared] = ()  # the newest comparison of each type
+    compared: Sequence[FleetComparison] = ()  # the newest comparison of each type
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
     """One reason to measure a robot."""
 
-    why: Why
+    why: DueReason
     sentence: Message
     weight: float = 0.0  # among reasons of the same kind, the greatest first
     record: ResultFacts | None = None  # that says so
-    compared: Compared | None = None  # that says so
+    compared: FleetComparison | None = None  # that says so
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,8 +99,8 @@ def standing_robots(
 class _Foretold:
     """What a comparison foretells of one robot."""
 
-    by: Compared
-    of: Foreseen
+    by: FleetComparison
+    of: LimitForecast
 
 
 def _standing(
@@ -115,35 +115,35 @@ def _standing(
         *_of_diagnosis(told, robot.last_measured_on),
         *([] if foretold is None else _of_forecast(robot, foretold, due.of(robot.robot), today)),
     )
-    return RobotStatus(robot, tuple(sorted(found, key=lambda reason: [*Why].index(reason.why))))
+    return RobotStatus(robot, tuple(sorted(found, key=lambda reason: [*DueReason].index(reason.why))))
 
 
 def _urgency(robot: RobotStatus) -> tuple[int, float, str]:
     if not robot.reasons:
-        return len(Why), 0.0, robot.measured.serial_number
+        return len(DueReason), 0.0, robot.measured.serial_number
     first = robot.reasons[0]
-    return [*Why].index(first.why), -first.weight, robot.measured.serial_number
+    return [*DueReason].index(first.why), -first.weight, robot.measured.serial_number
 
 
 def _of_days(robot: RobotMeasured, due_days: float, today: date) -> Iterator[Reason]:
     last = robot.last_measured_on
     if not last:
-        yield Reason(Why.UNMEASURED, message("plant.why.unmeasured"))
+        yield Reason(DueReason.UNMEASURED, message("plant.why.unmeasured"))
         return
     day = _day(last)
     days = None if day is None else (today - day).days
     if days is None or days < -_AHEAD.days:
-        yield Reason(Why.DOUBTFUL, message("plant.why.doubtful", day=last, cell=robot.cell))
+        yield Reason(DueReason.DOUBTFUL, message("plant.why.doubtful", day=last, cell=robot.cell))
     elif days > due_days:
         sentence = message("plant.why.overdue", day=last, days=days, due=due_days)
-        yield Reason(Why.OVERDUE, sentence, days / due_days)
+        yield Reason(DueReason.OVERDUE, sentence, days / due_days)
 
 
 def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
     if expires and expires < robot.last_measured_on:
         instrument, day = robot.instrument_serial_number, robot.last_measured_on
         sentence = message("plant.why.uncertified", day=day, instrument=instrument, expires=expires)
-        yield Reason(Why.UNCERTIFIED, sentence)
+        yield Reason(DueReason.UNCERTIFIED, sentence)
 
 
 def _of_validation(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
@@ -152,7 +152,7 @@ def _of_validation(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
     if found is None or found.verdict != FAILED:
         return
     if model is None or not model.is_later_than(found):
-        yield Reason(Why.FAILED, _failed(found), _times_allowed(found), found)
+        yield Reason(DueReason.FAILED, _failed(found), _times_allowed(found), found)
 
 
 def _failed(found: ResultFacts) -> Message:
@@ -184,9 +184,9 @@ def _of_change(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
     values: dict[str, Value] = {"number": model.record_id, "day": now.measured_on}
     if before_tool and tool and before_tool != tool:
         sentence = message("plant.why.another_tool", **values, before=before_tool, tool=tool)
-        yield Reason(Why.CHANGED, sentence, record=model)
+        yield Reason(DueReason.CHANGED, sentence, record=model)
     elif before_base and base and before_base != base:
-        yield Reason(Why.CHANGED, message("plant.why.another_base", **values), record=model)
+        yield Reason(DueReason.CHANGED, message("plant.why.another_base", **values), record=model)
 
 
 def _of_diagnosis(told: Mapping[ToldKind, ResultFacts], last_measured_on: str) -> Iterator[Reason]:
@@ -197,10 +197,10 @@ def _of_diagnosis(told: Mapping[ToldKind, ResultFacts], last_measured_on: str) -
     values: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
     if found.verdict == _UNEXPLAINED and found.figure_mm is not None:
         sentence = message("plant.why.unexplained", **values, figure=found.figure_mm)
-        yield Reason(Why.UNEXPLAINED, sentence, found.figure_mm, found)
+        yield Reason(DueReason.UNEXPLAINED, sentence, found.figure_mm, found)
     asks = int(found.document.get("asks", 0))
     if asks:
-        yield Reason(Why.ASKED, message("plant.why.asked", **values, count=asks), float(asks), found)
+        yield Reason(DueReason.ASKED, message("plant.why.asked", **values, count=asks), float(asks), found)
 
 
 def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, today: date) -> Iterator[Reason]:
@@ -209,12 +209,12 @@ def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, tod
     if last is None or robot.last_measured_on > found.last_measured_on:
         return
     if found.rate_mm is None and found.earliest is None:
-        yield Reason(Why.WORSENING, _beyond(foretold), math.inf, compared=foretold.by)
+        yield Reason(DueReason.WORSENING, _beyond(foretold), math.inf, compared=foretold.by)
         return
     earliest, next_due = _day(found.earliest or ""), max(last + timedelta(days=due_days), today)
     if earliest is not None and earliest <= next_due:
         weight = float((today - earliest).days)
-        yield Reason(Why.WORSENING, _passes(foretold, next_due, today), weight, compared=foretold.by)
+        yield Reason(DueReason.WORSENING, _passes(foretold, next_due, today), weight, compared=foretold.by)
 
 
 def _beyond(foretold: _Foretold) -> Message:
@@ -236,7 +236,7 @@ def _passes(foretold: _Foretold, next_due: date, today: date) -> Message:
     return message("plant.why.passes", **of, day=found.day)
 
 
-def _cause_of(found: Foreseen) -> Message:
+def _cause_of(found: LimitForecast) -> Message:
     of = {"effect": found.effect, "subject": found.subject}
     return message("fleet.wave", **of, order=found.order) if found.order else message("fleet.cause", **of)
 

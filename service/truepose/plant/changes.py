@@ -23,7 +23,7 @@ _Results: TypeAlias = Mapping[ToldKind, ResultFacts]
 _Cause: TypeAlias = Mapping[str, Any]
 
 
-class What(StrEnum):
+class ChangeKind(StrEnum):
     """What of a robot changed."""
 
     ERROR = "error"
@@ -36,7 +36,7 @@ class What(StrEnum):
 class RecordedChange:
     """One change, and the record that says so."""
 
-    what: What
+    what: ChangeKind
     sentence: Message
     record: ResultFacts
     before_mm: float | None = None  # of an error; None: there is none to compare with
@@ -101,7 +101,7 @@ def _changes(before: _Results, now: _Results, upto: str) -> Iterator[RecordedCha
     if "diagnosis" in new:
         yield from _of_causes(before.get("diagnosis"), new["diagnosis"])
     if "model" in new:
-        yield RecordedChange(What.MODEL, _of_model(before.get("model"), new["model"]), new["model"])
+        yield RecordedChange(ChangeKind.MODEL, _of_model(before.get("model"), new["model"]), new["model"])
 
 
 def _of_error(before: ResultFacts | None, now: ResultFacts) -> Iterator[RecordedChange]:
@@ -113,14 +113,14 @@ def _of_error(before: ResultFacts | None, now: ResultFacts) -> Iterator[Recorded
     of: dict[str, Value] = {"what": named, "record": _record(now), "day": now.measured_on}
     if before is None or before.figure_mm is None or _error_named(before) != named:
         sentence = message("plant.changed.first", **of, after_mm=after_mm)
-        yield RecordedChange(What.ERROR, sentence, now, after_mm=after_mm)
+        yield RecordedChange(ChangeKind.ERROR, sentence, now, after_mm=after_mm)
         return
     grown_mm = after_mm - before.figure_mm
     if abs(grown_mm) >= _SAME_MM:
         key = "plant.changed.rose" if grown_mm > 0.0 else "plant.changed.fell"
         figures = {"before_mm": before.figure_mm, "after_mm": after_mm}
         sentence = message(key, **of, **figures, day_before=before.measured_on)
-        yield RecordedChange(What.ERROR, sentence, now, **figures)
+        yield RecordedChange(ChangeKind.ERROR, sentence, now, **figures)
 
 
 def _error_named(found: ResultFacts) -> Message:
@@ -147,14 +147,18 @@ def _of_causes(before: ResultFacts | None, now: ResultFacts) -> Iterator[Recorde
     if before is None:
         if named:
             yield RecordedChange(
-                What.CAUSE_NAMED, message("plant.changed.causes.first", **of, causes=named), now
+                ChangeKind.CAUSE_NAMED, message("plant.changed.causes.first", **of, causes=named), now
             )
         return
     of["day_before"] = before.measured_on
     if named:
-        yield RecordedChange(What.CAUSE_NAMED, message("plant.changed.causes.named", **of, causes=named), now)
+        yield RecordedChange(
+            ChangeKind.CAUSE_NAMED, message("plant.changed.causes.named", **of, causes=named), now
+        )
     if gone:
-        yield RecordedChange(What.CAUSE_GONE, message("plant.changed.causes.gone", **of, causes=gone), now)
+        yield RecordedChange(
+            ChangeKind.CAUSE_GONE, message("plant.changed.causes.gone", **of, causes=gone), now
+        )
 
 
 def _causes(found: ResultFacts) -> dict[tuple[str, str], _Cause]:

@@ -24,7 +24,7 @@ from truepose.storage.errors import (
 )
 from truepose.storage.plant.cells import VisitRepository
 from truepose.storage.plant.deployments import HandDownRepository
-from truepose.storage.plant.journal import Collected, JournalRepository, Reached
+from truepose.storage.plant.journal import CollectionProgress, JournalRepository, Reached
 from truepose.storage.plant.records import Branch, ClockSeen, HandDownState, Outcome, Visit
 
 _LOG: Final = logging.getLogger(__name__)
@@ -33,14 +33,14 @@ _LINKS: Final = 500  # a page
 
 
 @dataclass(frozen=True, slots=True)
-class Shelves:
+class PlantRepositories:
     """What a visit writes into."""
 
     journal: JournalRepository
     hand_downs: HandDownRepository
 
 
-async def visit(name: str, cell: CellClient, shelves: Shelves) -> Visit:
+async def visit(name: str, cell: CellClient, shelves: PlantRepositories) -> Visit:
     """Visit a cell and return what came of it; nothing is raised for what a cell can do wrong.
 
     Raises StorageError where the plant itself cannot keep what it collects, or has collected meanwhile.
@@ -72,7 +72,9 @@ async def _greeted(cell: CellClient, reached: Reached) -> tuple[CellHead, ClockS
     return heads[-1], clock_seen([head.clock for head in heads])
 
 
-async def _collected(name: str, cell: CellClient, known: Collected, shelves: Shelves, begun: Visit) -> Visit:
+async def _collected(
+    name: str, cell: CellClient, known: CollectionProgress, shelves: PlantRepositories, begun: Visit
+) -> Visit:
     position, heads, newest = known.position, known.heads, begun.newest or 0
     while position < newest:
         page = await cell.links(position, _LINKS)
@@ -82,7 +84,7 @@ async def _collected(name: str, cell: CellClient, known: Collected, shelves: She
         await shelves.journal.keep(known.branch, links, begun.clock)
         position, newest = links[-1].link, page.newest
     waits = await _handed_down(name, cell, shelves.hand_downs)
-    collected, head = position - known.position, Collected(known.branch, position, heads).head
+    collected, head = position - known.position, CollectionProgress(known.branch, position, heads).head
     return replace(begun, sentence=waits, collected=collected, newest=newest, head=head.text)
 
 
@@ -102,13 +104,15 @@ async def _handed_down(name: str, cell: CellClient, hand_downs: HandDownReposito
     return waits
 
 
-def _so_far(shelves: Shelves, branch: Branch, begun: Visit, outcome: Outcome, error: Exception) -> Visit:
+def _so_far(
+    shelves: PlantRepositories, branch: Branch, begun: Visit, outcome: Outcome, error: Exception
+) -> Visit:
     head = shelves.journal.head(branch)
     return replace(begun, outcome=outcome, sentence=str(error), head=None if head is None else head.text)
 
 
 async def _another_chain(
-    name: str, cell: CellClient, known: Collected, shelves: Shelves, begun: Visit
+    name: str, cell: CellClient, known: CollectionProgress, shelves: PlantRepositories, begun: Visit
 ) -> Visit:
     """State that a cell shows another chain, and up to where the two are one."""
     common = await _last_in_common(
@@ -160,7 +164,7 @@ class Collector:
     """Visits the cells of a plant."""
 
     def __init__(
-        self, cells: Sequence[PlantCell], shelves: Shelves, visits: VisitRepository, pace: Pace
+        self, cells: Sequence[PlantCell], shelves: PlantRepositories, visits: VisitRepository, pace: Pace
     ) -> None:
         self.cells = tuple(cells)
         self.has_ended = False  # no cell is visited any more

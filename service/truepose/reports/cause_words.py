@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict, Worth
+from truepose.domain.diagnosis import Cause, Confidence, EffectSize, Finding, Gain, Verdict
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.reports.rounding import millimetres, with_uncertainty
 
@@ -56,7 +56,7 @@ def place_words(finding: Finding, words: Catalogue = IN_ENGLISH) -> str:
     return words.say(key, where=finding.where, over=finding.over, shape=str(finding.shape))
 
 
-def worth_words(worth: Worth, words: Catalogue = IN_ENGLISH) -> str:
+def worth_words(worth: EffectSize, words: Catalogue = IN_ENGLISH) -> str:
     """Return how far a cause moves the tool."""
     return words.say("worth", mean=millimetres(worth.mean_mm), most=millimetres(worth.max_mm))
 

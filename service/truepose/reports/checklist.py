@@ -13,7 +13,7 @@ from truepose.messages.message import Message, Text, message
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.reports.report import Description, Report
 from truepose.reports.rounding import fixed, with_minus
-from truepose.reports.traceability import Imprint
+from truepose.reports.traceability import PageMargins
 
 _TRACKER: Final = ("check.tracker.warm", "check.tracker.nests", "check.tracker.reflector")
 _CAMERA: Final = ("check.camera.warm", "check.camera.artefact")
@@ -170,7 +170,7 @@ class ChecklistReport(Report):
             "joints": len(checklist.stops[0].joints_rad) if checklist.stops else 0,
         }
         title = words.say("check.title", robot=self.robot)
-        imprint = Imprint(self.robot, self.name)
+        imprint = PageMargins(self.robot, self.name)
         return Description(title, self.robot, "checklist.html", filled_in, imprint=imprint)
 
 

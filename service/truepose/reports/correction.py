@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.correction import CorrectedTargets, CorrectionTotals, FileCorrection, LeftAlone
+from truepose.domain.correction import CorrectedTargets, CorrectionTotals, FileCorrection, UncorrectedTarget
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, message
 from truepose.reports.cover_page import Front, OneFigure, graded
@@ -42,7 +42,7 @@ def correction_sentences(totals: CorrectionTotals) -> Iterator[Message]:
         yield message("corrections.more", left=left)
 
 
-def left_alone_sentences(left_alone: Sequence[LeftAlone]) -> Iterator[Message]:
+def left_alone_sentences(left_alone: Sequence[UncorrectedTarget]) -> Iterator[Message]:
     """Yield what of a program was left alone, and why."""
     for one in left_alone:
         yield message("corrections.left_alone", place=one.place, what=one.what, reason=one.reason)

@@ -17,7 +17,7 @@ from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.traceability import (
     Audit,
-    Imprint,
+    PageMargins,
     ReportConditions,
     audit_rows,
     condition_rows,
@@ -34,7 +34,7 @@ class Description:
     template: str  # of its content
     filled_in: Mapping[str, object]
     front: Front | None = None
-    imprint: Imprint | None = None  # None: of the robot
+    imprint: PageMargins | None = None  # None: of the robot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

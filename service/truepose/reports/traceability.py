@@ -185,7 +185,7 @@ def _range(lowest_highest_c: tuple[float, float] | None, words: Catalogue) -> st
 
 
 @dataclass(frozen=True, slots=True)
-class Imprint:
+class PageMargins:
     """The four corners of a page; empty ones stay empty."""
 
     subject: str
@@ -194,11 +194,11 @@ class Imprint:
     person: str = ""
 
 
-def imprint_of(robot: str, conditions: ReportConditions, words: Catalogue) -> Imprint:
+def imprint_of(robot: str, conditions: ReportConditions, words: Catalogue) -> PageMargins:
     """Return the imprint of a report on a robot."""
     serial = conditions.robot_serial_number
     subject = words.say("report.robot.serial", robot=robot, serial=serial) if serial else robot
-    return Imprint(subject, conditions.number, conditions.written_at, conditions.person)
+    return PageMargins(subject, conditions.number, conditions.written_at, conditions.person)
 
 
 def css_string(text: str) -> str:

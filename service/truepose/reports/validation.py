@@ -11,7 +11,7 @@ from rich.text import Text as Line
 
 from truepose.domain.campaign import Readings
 from truepose.domain.identification import Model
-from truepose.domain.validation import Decision, ErrorsByPlace, Shell, Validation, ValidationUncertainty
+from truepose.domain.validation import Decision, DistanceBin, ErrorsByPlace, Validation, ValidationUncertainty
 from truepose.identification import judge
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
@@ -160,7 +160,7 @@ def _places(places: ErrorsByPlace | None, words: Catalogue) -> dict[str, object]
     }
 
 
-def _shell_rows(shells: Sequence[Shell], words: Catalogue) -> Iterator[Row]:
+def _shell_rows(shells: Sequence[DistanceBin], words: Catalogue) -> Iterator[Row]:
     for shell in shells:
         label = words.say("places.shell", low_mm=shell.from_mm, high_mm=shell.to_mm)
         yield from pair_rows(label, shell.errors, words)

@@ -22,7 +22,7 @@ from truepose_drivers.api import MotionLimits
 ReadCell: TypeAlias = Callable[[], Cell]
 
 
-class PresentCell:
+class CurrentCell:
     """The cell that the service was started with, and whether its file still says the same.
 
     Without a cell only what was stored with a session binds its motions.

@@ -8,8 +8,8 @@ from typing import Final, Protocol
 from truepose.domain.cell import Artefact, Cell, Closing, DeviceEntry, JudgedPaper, Paper, judged_papers
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState
 from truepose.messages.message import Message, message, together
-from truepose.sessions.cell import PresentCell
-from truepose.sessions.devices import Rack
+from truepose.sessions.cell import CurrentCell
+from truepose.sessions.devices import DeviceRegistry
 from truepose.sessions.engine.identity_check import same_number
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.errors import CertificateError
@@ -104,15 +104,15 @@ class MeasuringKind(Protocol):
     by_calibrator: bool  # lengths that count from the ballbar's calibrator
 
 
-class ClosingDesk:
+class ClosingService:
     """Closes sessions; the records say what each was closed as."""
 
     def __init__(
         self,
         sessions: SessionRepository,
         closings: ClosingRepository,
-        rack: Rack,
-        present: PresentCell,
+        rack: DeviceRegistry,
+        present: CurrentCell,
         kind_of: Callable[[SessionRecord], MeasuringKind],
     ) -> None:
         self._kind_of = kind_of

@@ -5,29 +5,29 @@ from typing import Any, Final, TypeVar, cast
 from truepose.domain.ledger import Control
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.runner import SessionRunner
 from truepose.sessions.engine.states import after_restart, words
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.followers import change
 from truepose.sessions.kinds import SessionKind
-from truepose.sessions.service import SessionDesk
+from truepose.sessions.service import SessionService
 from truepose.storage.records import SessionRecord
 
 R = TypeVar("R", bound=SessionRunner[Any])
 _TAKES_UP: Final = {
-    SessionState.PLANNED: ActName.START,
-    SessionState.AWAITING_CONFIRMATION: ActName.CONFIRM,
+    SessionState.PLANNED: CommandName.START,
+    SessionState.AWAITING_CONFIRMATION: CommandName.CONFIRM,
 }
-_LETS_ARM_MOVE: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
+_LETS_ARM_MOVE: Final = frozenset({CommandName.CONFIRM, CommandName.RESUME})
 _RESTARTED: Final = message("session.service.restarted")
 _STOPPED: Final = message("session.service.stopped")
 
 
-class ServedKind(SessionKind[R]):
+class SessionController(SessionKind[R]):
     """Sessions of one kind, started and acted on by the desk."""
 
-    def __init__(self, desk: SessionDesk) -> None:
+    def __init__(self, desk: SessionService) -> None:
         self.desk = desk
         desk.serve(self)
 
@@ -44,19 +44,19 @@ class ServedKind(SessionKind[R]):
         return record
 
 
-class AskedSessionKind(ServedKind[R]):
+class PromptingSessionController(SessionController[R]):
     """Sessions that nobody stands beside: started, they ask; after a restart they wait for an answer."""
 
-    def require_startable(self, record: SessionRecord, act: Act) -> None:
+    def require_startable(self, record: SessionRecord, act: OperatorCommand) -> None:
         """Raise NotNowError unless a planned one is started, or confirmed what an earlier service left."""
         if _TAKES_UP.get(record.state) is act.name:
             return
         state = words(record.state)
-        if act.name is ActName.START:
+        if act.name is CommandName.START:
             raise NotNowError(message("session.refused.session_only_planned", session=record.id, state=state))
         raise NotNowError(message("session.refused.not_under_way", session=record.id, state=state))
 
-    async def prepare(self, session_id: int, act: Act) -> Act:
+    async def prepare(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
         """Return an act with why the ballbar counts as off; raises NotNowError, ReasonMissingError."""
         return await self.desk.admitted(self, session_id, act) if act.name in _LETS_ARM_MOVE else act
 

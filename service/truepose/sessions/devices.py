@@ -62,7 +62,7 @@ class DeviceStatus:
         return "" if self.identity is None else told(self.identity.serial)
 
 
-class Rack:
+class DeviceRegistry:
     """All devices of the cell but its clock."""
 
     def __init__(self, mounted: Sequence[MountedDevice], clock: FullClock) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, Protocol
 
 
-class Watching:
+class TabletCounter:
     """Counts tablets, each over as many connections as it likes."""
 
     def __init__(self) -> None:

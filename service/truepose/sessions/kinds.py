@@ -7,7 +7,7 @@ from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.errors import TrueposeError
 from truepose.domain.session import SessionPlan
-from truepose.sessions.engine.commands import Act
+from truepose.sessions.engine.commands import OperatorCommand
 from truepose.sessions.engine.runner import SessionRunner
 from truepose.storage.errors import NotFoundError
 from truepose.storage.ledger.entries import SessionLedger
@@ -42,7 +42,7 @@ class SessionKind(ABC, Generic[R]):
         return NotFoundError(self.called, record.id)
 
     @abstractmethod
-    def require_startable(self, record: SessionRecord, act: Act) -> None:
+    def require_startable(self, record: SessionRecord, act: OperatorCommand) -> None:
         """Raise NotNowError where this act does not take up a session that nobody runs."""
 
     @abstractmethod
@@ -56,11 +56,11 @@ class SessionKind(ABC, Generic[R]):
     async def begun(self, session_id: int, runner: R) -> None:
         """Wait for what a run does of itself before anybody acts."""
 
-    async def prepare(self, session_id: int, act: Act) -> Act:
+    async def prepare(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
         """Return an act with what it rests on that the session itself does not know."""
         return act
 
-    async def admit(self, session_id: int, act: Act) -> Act:
+    async def admit(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
         """Return an act that lets the arm of another kind's session move, with what this kind adds to it.
 
         Raises NotNowError or ReasonMissingError where something of this kind is in the way.

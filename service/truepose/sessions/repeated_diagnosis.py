@@ -1,6 +1,6 @@
 """A diagnosis that asked for more configurations is run again once a session has measured them."""
 
-from truepose.analysis.campaigns.records import CampaignDesk
+from truepose.analysis.campaigns.records import CampaignService
 from truepose.analysis.jobs import JobService
 from truepose.domain.errors import TrueposeError, text_of
 from truepose.messages.message import message
@@ -20,7 +20,7 @@ class RepeatedDiagnosis:
         diagnoses: DiagnosisRepository,
         campaigns: CampaignRepository,
         sessions: SessionRepository,
-        campaign_desk: CampaignDesk,
+        campaign_desk: CampaignService,
         job_desk: JobService,
     ) -> None:
         self._additions = additions

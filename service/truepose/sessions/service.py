@@ -17,21 +17,21 @@ from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import readable_name
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
-from truepose.sessions.cell import PresentCell, speed_limits
-from truepose.sessions.devices import Rack
-from truepose.sessions.engine.commands import ANSWERS, HALTS, LETS_MOVE, Act, ActName
+from truepose.sessions.cell import CurrentCell, speed_limits
+from truepose.sessions.devices import DeviceRegistry
+from truepose.sessions.engine.commands import ANSWERS, HALTS, LETS_MOVE, CommandName, OperatorCommand
 from truepose.sessions.engine.halts import ENDED_AT_REST
 from truepose.sessions.engine.interlocks import reduced
 from truepose.sessions.engine.prompts import Prompt
 from truepose.sessions.engine.runner import SessionRunner
 from truepose.sessions.engine.states import ASKS, has_ended, words
 from truepose.sessions.errors import DeviceInUseError, NotNowError
-from truepose.sessions.followers import Watching, change
+from truepose.sessions.followers import TabletCounter, change
 from truepose.sessions.kinds import SessionKind
 from truepose.sessions.requests import RequestsUnderWay
 from truepose.storage.ledger.entries import LedgerRepository, SessionLedger
 from truepose.storage.ledger.sessions import SessionRepository
-from truepose.storage.records import ActAnswer, LedgerRecord, RequestKey, SessionRecord, SessionSetup
+from truepose.storage.records import CommandAnswer, LedgerRecord, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
 _LOG: Final = logging.getLogger(__name__)
@@ -66,28 +66,30 @@ class Attendance:
     robot_moving: bool = False
 
 
-class SessionDesk:
+class SessionService:
     """Starts sessions, passes on acts, gives the devices back; kinds of sessions stand behind it."""
 
     def __init__(
         self,
         sessions: SessionRepository,
         ledger: LedgerRepository,
-        rack: Rack,
-        present: PresentCell | None = None,
+        rack: DeviceRegistry,
+        present: CurrentCell | None = None,
     ) -> None:
         self.sessions = sessions
         self.ledger = ledger
         self.rack = rack
-        self.present = present or PresentCell()
-        self.watching = Watching()
+        self.present = present or CurrentCell()
+        self.watching = TabletCounter()
         self.turn = asyncio.Lock()  # two acts that start at once must not start two sessions
         self.now: UnderWay | None = None
         self._kinds: list[SessionKind[Any]] = []
-        self._acts = RequestsUnderWay[ActAnswer]()
+        self._acts = RequestsUnderWay[CommandAnswer]()
         self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
 
-    async def admitted(self, kind: SessionKind[Any], session_id: int, act: Act) -> Act:
+    async def admitted(
+        self, kind: SessionKind[Any], session_id: int, act: OperatorCommand
+    ) -> OperatorCommand:
         """Return an act that lets the arm move as the other kinds admit it; raises their refusals."""
         # A bar that hangs in the cell concerns every kind of session, and only the ballbar's knows of it
         # (decision 0079).
@@ -181,7 +183,9 @@ class SessionDesk:
         """Return the kind of a session."""
         return next(kind for kind in self._kinds if kind.owns(record))
 
-    async def act(self, session_id: int, act: Act, key: RequestKey | None = None) -> ActAnswer:
+    async def act(
+        self, session_id: int, act: OperatorCommand, key: RequestKey | None = None
+    ) -> CommandAnswer:
         """Do what a person asks, at most once for each key; the same key gets the same answer.
 
         Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, PersonUnknownError,
@@ -195,20 +199,22 @@ class SessionDesk:
         name = (session_id, key.key)
         return await self._acts.shared(name, key, lambda: self._decide(kind, session_id, act, key))
 
-    async def _decide(self, kind: SessionKind[Any], session_id: int, act: Act, key: RequestKey) -> ActAnswer:
+    async def _decide(
+        self, kind: SessionKind[Any], session_id: int, act: OperatorCommand, key: RequestKey
+    ) -> CommandAnswer:
         known = await self.ledger.answer_to(session_id, key)
         if known is not None:
             return known
         kept = await self.ledger.entry_with(session_id, key.key)
         if kept is not None:  # the service was killed between the entry and its answer
-            answer = ActAnswer(_KEPT_BEFORE, kept.id)
+            answer = CommandAnswer(_KEPT_BEFORE, kept.id)
         else:
             answer = await self._do(kind, session_id, act)
         # Before it is sent: a client that never gets the answer asks again, maybe after a restart.
         await self.ledger.keep_answer(session_id, key, answer)
         return answer
 
-    async def _do(self, kind: SessionKind[Any], session_id: int, act: Act) -> ActAnswer:
+    async def _do(self, kind: SessionKind[Any], session_id: int, act: OperatorCommand) -> CommandAnswer:
         act = await self._judged(act)
         running = self.under_way(session_id)
         if running is not None:
@@ -217,16 +223,18 @@ class SessionDesk:
             _require_question_named(act, running.runner)
         # A halt does not wait for somebody's turn.
         under_way = running or await self._taken_up(kind, session_id, act)
-        if isinstance(under_way, ActAnswer):
+        if isinstance(under_way, CommandAnswer):
             return under_way
         try:
             done = await under_way.runner.ask(await kind.prepare(session_id, act))
         except TrueposeError:
             await self._give_back_unstarted(under_way)
             raise
-        return ActAnswer(done.sentence, done.entry)
+        return CommandAnswer(done.sentence, done.entry)
 
-    async def _taken_up(self, kind: SessionKind[Any], session_id: int, act: Act) -> UnderWay | ActAnswer:
+    async def _taken_up(
+        self, kind: SessionKind[Any], session_id: int, act: OperatorCommand
+    ) -> UnderWay | CommandAnswer:
         """Have a session run as an act asks for; an answer where the act ends it as it stands."""
         # Two acts that begin at once must not begin two sessions.
         async with self.turn:
@@ -235,12 +243,12 @@ class SessionDesk:
                 return under_way
             record = await kind.get(session_id)
             # Without taking it up: no device is needed to end what nobody runs, and none may be there.
-            if act.name is ActName.ABORT and not has_ended(record.state):
+            if act.name is CommandName.ABORT and not has_ended(record.state):
                 return await self._end_unstarted(session_id, act)
             kind.require_startable(record, act)
             return await self.start(kind, record)
 
-    async def _judged(self, act: Act) -> Act:
+    async def _judged(self, act: OperatorCommand) -> OperatorCommand:
         """Return the act under the name that is kept; raises what keeps it from being done.
 
         Anybody may halt the arm, whatever they are called.
@@ -254,18 +262,18 @@ class SessionDesk:
             await self.present.require_unchanged()
         return replace(act, person=person)
 
-    async def _end_unstarted(self, session_id: int, act: Act) -> ActAnswer:
+    async def _end_unstarted(self, session_id: int, act: OperatorCommand) -> CommandAnswer:
         """End a session that nobody runs: planned, or left by an earlier service."""
         number = await self.enter(session_id, SessionState.ABORTED, _END_ASKED_FOR, act)
         self.watching.tell()
-        return ActAnswer(ENDED_AT_REST, number)
+        return CommandAnswer(ENDED_AT_REST, number)
 
     async def enter(
         self,
         session_id: int,
         state: SessionState,
         reason: Text,
-        act: Act | None = None,
+        act: OperatorCommand | None = None,
         control: Control | None = None,
     ) -> int:
         """Put on record that a session that nobody runs has entered a state; returns the line's number."""
@@ -353,7 +361,7 @@ class SessionDesk:
         self._release(under_way.task)
 
 
-def _require_question_named(act: Act, runner: SessionRunner[Any]) -> None:
+def _require_question_named(act: OperatorCommand, runner: SessionRunner[Any]) -> None:
     """Raise NotNowError where the session waits for an answer and this one does not say to what it is one."""
     asked = runner.prompt if runner.state in ASKS else None
     # An answer without its question is a habit: it would confirm whatever is asked when it arrives (decision

@@ -6,18 +6,18 @@ from typing import Any, Final, TypeAlias
 
 from truepose.domain.robot import FramePlacement
 from truepose.messages.message import message
-from truepose.sessions.cell import PresentCell
-from truepose.sessions.devices import Rack
+from truepose.sessions.cell import CurrentCell
+from truepose.sessions.devices import DeviceRegistry
 from truepose.sessions.errors import FaultRefusedError, RealCellError
 from truepose_drivers.api import Options
 
 AskCell: TypeAlias = Callable[[Mapping[str, object]], Awaitable[dict[str, Any]]]
 
 
-class FaultsDesk:
+class FaultService:
     """Passes on what is to go wrong, and remembers who wanted it; `ask` is None where the cell is real."""
 
-    def __init__(self, ask: AskCell | None, present: PresentCell) -> None:
+    def __init__(self, ask: AskCell | None, present: CurrentCell) -> None:
         self._ask = ask
         self._present = present
         self._given_by: dict[int, str] = {}
@@ -84,10 +84,10 @@ _TAKES: Final = frozenset({"calibrator", "connect", "side"})
 _LEAVES: Final = frozenset({"detach", "hold"})
 
 
-class HandsDesk:
+class SimulatedOperatorService:
     """Passes on what the hands are to do, and remembers where they put the ballbar."""
 
-    def __init__(self, rack: Rack, place_of: Callable[[int], FramePlacement | None]) -> None:
+    def __init__(self, rack: DeviceRegistry, place_of: Callable[[int], FramePlacement | None]) -> None:
         self._rack = rack
         self._place_of = place_of  # where the session wants the base fixture
         self.holding = ""  # where the ballbar is, in words; empty: in the hand

@@ -26,7 +26,7 @@ _HASH_BYTES: Final = hashlib.sha256().digest_size
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class RenderedPage:
     """A page, a part of one or a printed report, and the hash that names its content."""
 
     body: bytes
@@ -47,7 +47,7 @@ class DrawnFolder:
         """Return what a service drew by the file of its database."""
         return cls(database.with_name(f"{database.name}.drawn"))
 
-    def get(self, of: str) -> Drawn | None:
+    def get(self, of: str) -> RenderedPage | None:
         """Return what was drawn of something; None where it was not, or is not kept any more."""
         # A name says what was drawn, and may hold anything: its hash is a file's name on every system.
         file = self._file(of)
@@ -59,7 +59,7 @@ class DrawnFolder:
         drawn = drawn_of(kept[_HASH_BYTES:])
         return drawn if kept[:_HASH_BYTES].hex() == drawn.sha256 else None
 
-    def keep(self, of: str, drawn: Drawn) -> None:
+    def keep(self, of: str, drawn: RenderedPage) -> None:
         """Keep what was drawn, if the disk has room to spare."""
         # What can be made again is never worth an error: whoever asked has the page already.
         with self._lock, contextlib.suppress(OSError):
@@ -95,16 +95,16 @@ class DrawnFolder:
         return self._folder / hashlib.sha256(of.encode()).hexdigest()
 
 
-def drawn_of(body: bytes) -> Drawn:
+def drawn_of(body: bytes) -> RenderedPage:
     """Return what was drawn with its hash."""
-    return Drawn(body, hashlib.sha256(body).hexdigest())
+    return RenderedPage(body, hashlib.sha256(body).hexdigest())
 
 
 _MOST_BYTES: Final = 64 * 2**20  # some thousands of types
 
 
 @dataclass(frozen=True, slots=True)
-class Foreseen:
+class LimitForecast:
     """A robot of which a change has passed a limit, or will."""
 
     robot: str  # its serial number
@@ -120,14 +120,14 @@ class Foreseen:
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class FleetComparison:
     """The robots of a type as they were compared last."""
 
     robot: str  # the type
     computed_at: str
     newest: int  # result: of the campaigns that were compared, the one that was collected last
     limit_mm: float
-    foreseen: tuple[Foreseen, ...]  # empty: nothing of any robot comes to the limit
+    foreseen: tuple[LimitForecast, ...]  # empty: nothing of any robot comes to the limit
 
 
 class Comparisons:
@@ -135,9 +135,9 @@ class Comparisons:
 
     def __init__(self, database: Path) -> None:
         self._folder = DrawnFolder(database.with_name(f"{database.name}.compared"), _MOST_BYTES)
-        self._known: dict[str, Compared | None] = {}
+        self._known: dict[str, FleetComparison | None] = {}
 
-    async def of(self, types: Iterable[str]) -> list[Compared]:
+    async def of(self, types: Iterable[str]) -> list[FleetComparison]:
         """Return the newest comparison of each type that was ever compared."""
         wanted = sorted({*types})
         for robot in wanted:
@@ -156,21 +156,24 @@ class Comparisons:
             self._known[compared.robot] = compared
             await asyncio.to_thread(self._folder.keep, _of(compared.robot), drawn_of(data))
 
-    def _read(self, robot: str) -> Compared | None:
+    def _read(self, robot: str) -> FleetComparison | None:
         kept = self._folder.get(_of(robot))
         return None if kept is None else from_bytes(kept.body)
 
 
-def to_bytes(compared: Compared) -> bytes:
+def to_bytes(compared: FleetComparison) -> bytes:
     """Return a comparison as it travels and is kept: one line."""
     return json.dumps(asdict(compared)).encode()
 
 
-def from_bytes(data: bytes) -> Compared | None:
+def from_bytes(data: bytes) -> FleetComparison | None:
     """Return a comparison; None: another version kept it in another form."""
     try:
         found = json.loads(data)
-        return Compared(**{**found, "foreseen": tuple(Foreseen(**one) for one in found["foreseen"])})
+        return FleetComparison(**{
+            **found,
+            "foreseen": tuple(LimitForecast(**one) for one in found["foreseen"]),
+        })
     # A file of another version is no comparison: the next one that somebody opens makes it anew.
     except (KeyError, TypeError, ValueError):
         return None

@@ -43,7 +43,7 @@ from truepose.storage.errors import (
     StorageUnavailableError,
     damaged,
 )
-from truepose.storage.integrity.database_identity import Left
+from truepose.storage.integrity.database_identity import ClosingState
 from truepose.storage.integrity.hash_chain import linking
 from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.integrity.verification import stream_findings
@@ -423,12 +423,12 @@ class _Doubtful:
 
     together: Sequence[PendingWrite]
     ends: Sequence[Outcome]  # if it was
-    newest: Left  # link that the database has if it was
+    newest: ClosingState  # link that the database has if it was
 
 
 class _DoubtError(Exception):
     """Whether a commit was made is not known yet."""
 
-    def __init__(self, result: Any, newest: Left) -> None:
+    def __init__(self, result: Any, newest: ClosingState) -> None:
         super().__init__()
         self.result, self.newest = result, newest

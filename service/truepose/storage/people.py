@@ -65,7 +65,7 @@ class ShownAt:
 
 
 @dataclass(frozen=True, slots=True)
-class Entered:
+class EnteredPeople:
     """Everybody who was ever entered, and what opens the service now."""
 
     people: tuple[Person, ...]
@@ -80,7 +80,7 @@ class CredentialRepository:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def entered(self) -> Entered:
+    async def entered(self) -> EnteredPeople:
         """Return everything that counts now."""
         return await self._database.read(_entered)
 
@@ -132,7 +132,7 @@ class CredentialRepository:
             await self._database.write(work)
 
 
-def _entered(connection: Connection) -> Entered:
+def _entered(connection: Connection) -> EnteredPeople:
     newest = select(func.max(person_states.c.id)).group_by(person_states.c.person_id)
     known = (
         select(people.c.id, people.c.name, person_states.c.role, person_states.c.active)
@@ -145,7 +145,7 @@ def _entered(connection: Connection) -> Entered:
         .where(credentials.c.id.not_in(select(revocations.c.credential_id)))
         .order_by(credentials.c.id)
     )
-    return Entered(
+    return EnteredPeople(
         tuple(
             Person(row.id, row.name, Role(row.role), bool(row.active)) for row in connection.execute(known)
         ),

@@ -109,7 +109,7 @@ class LedgerRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class ActAnswer:
+class CommandAnswer:
     """What was answered to an act, and the number of the entry that was kept; None where nothing was."""
 
     sentence: Text

@@ -19,8 +19,8 @@ from truepose.domain.validation import (
     BranchErrors,
     Decision,
     DecisionRule,
+    DistanceBin,
     ErrorsByPlace,
-    Shell,
     Validation,
     Verdict,
 )
@@ -104,12 +104,13 @@ def distance_from_axis_1(chain: Chain) -> FloatArray:
     return np.asarray(np.linalg.norm(away - along * axis, axis=1))
 
 
-def _shells(judged: Assessment, distance_mm: FloatArray) -> tuple[Shell, ...]:
+def _shells(judged: Assessment, distance_mm: FloatArray) -> tuple[DistanceBin, ...]:
     """Return the errors in shells of equal width by distance (n,) [mm]; empty ones are left out."""
     width = _width_mm(float(np.ptp(distance_mm)))
     number = np.floor(distance_mm / width).astype(np.int64)
     return tuple(
-        Shell(float(k * width), float((k + 1) * width), judged.pair(number == k)) for k in np.unique(number)
+        DistanceBin(float(k * width), float((k + 1) * width), judged.pair(number == k))
+        for k in np.unique(number)
     )
 
 

@@ -19,7 +19,7 @@ from truepose.web.middleware.hosts import AllowedHosts, Proxies
 from truepose.web.middleware.language import LanguageMiddleware
 from truepose.web.middleware.limits import RequestLimits
 from truepose.web.middleware.metrics import Metrics
-from truepose.web.middleware.priority import Lanes
+from truepose.web.middleware.priority import ConcurrencyLimits
 from truepose.web.middleware.request_log import RequestLog
 from truepose.web.middleware.rights import require_complete
 from truepose.web.middleware.routing import Routing, operations_of
@@ -111,7 +111,7 @@ def application_of(
     app.router.routes += routes
     app.router.middleware_stack = Routing(app.router.middleware_stack, app.routes)
     problems.install(app)
-    app.add_middleware(Lanes)
+    app.add_middleware(ConcurrencyLimits)
     app.add_middleware(RequestLimits)
     operations = operations_of(app.routes)
     require_complete(operation.name for operation in operations)

@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING, Annotated, cast
 from fastapi import Depends, Request
 
 if TYPE_CHECKING:
-    from truepose.analysis.campaigns.records import CampaignDesk
+    from truepose.analysis.campaigns.records import CampaignService
     from truepose.analysis.drafts import DraftService
     from truepose.analysis.jobs import JobService
     from truepose.analysis.page_services import AccuracyService, Renderer
     from truepose.domain.cell import Cell
-    from truepose.health import Lookout
-    from truepose.people.accounts import PeopleDesk
+    from truepose.health import HealthMonitor
+    from truepose.people.accounts import PeopleService
     from truepose.sessions.ballbar.service import BallbarSessions
-    from truepose.sessions.closing import ClosingDesk
+    from truepose.sessions.closing import ClosingService
     from truepose.sessions.contact.service import ContactSessions
-    from truepose.sessions.devices import Rack
+    from truepose.sessions.devices import DeviceRegistry
     from truepose.sessions.guide.service import GuidedSessions
-    from truepose.sessions.service import SessionDesk
-    from truepose.sessions.simulated import FaultsDesk, HandsDesk
+    from truepose.sessions.service import SessionService
+    from truepose.sessions.simulated import FaultService, SimulatedOperatorService
     from truepose.sessions.tracker.service import TrackerSessions
     from truepose.storage.database import Database
     from truepose.storage.ledger.additions import ClosingRepository
@@ -74,21 +74,21 @@ class Context:
     work: WorkList
     lineages: Lineages
     events: EventRepository
-    rack: Rack
-    lookout: Lookout
-    session_desk: SessionDesk
+    rack: DeviceRegistry
+    lookout: HealthMonitor
+    session_desk: SessionService
     tracker_sessions: TrackerSessions
     ballbar_sessions: BallbarSessions
     contact_sessions: ContactSessions
     guided_sessions: GuidedSessions
-    hands_desk: HandsDesk
-    faults_desk: FaultsDesk
-    closing_desk: ClosingDesk
+    hands_desk: SimulatedOperatorService
+    faults_desk: FaultService
+    closing_desk: ClosingService
     drawing_desk: Renderer
     promise_desk: AccuracyService
     job_desk: JobService
-    campaign_desk: CampaignDesk
-    people: PeopleDesk
+    campaign_desk: CampaignService
+    people: PeopleService
     draft_desk: DraftService
     stopping: asyncio.Event  # set when the service ends: streams end with it
     fault: Callable[[], str | None]  # why the simulated cell does not run any more

@@ -26,7 +26,7 @@ _BALL_NEST = 1  # in which the setting ball sits
 _IN_THE_WAY_MM = 60.0  # a nest so near to a cup leaves no place for a hand, nor for the ballbar's end
 
 
-class Workplace(Protocol):
+class OperatorWorkspace(Protocol):
     """The cell as its person sees it."""
 
     @property
@@ -113,7 +113,9 @@ class _Cup:
 class Hands:
     """What the person has done so far, and does next."""
 
-    def __init__(self, ballbar: Ballbar, fixture: Fixture, workplace: Workplace, clamp_mm: float) -> None:
+    def __init__(
+        self, ballbar: Ballbar, fixture: Fixture, workplace: OperatorWorkspace, clamp_mm: float
+    ) -> None:
         """Begin with the ballbar aside, no fixture and no setting ball; cups end up `clamp_mm` off."""
         self.accidents = 0  # motions that tore a magnet off its ball
         self.motions_attached = 0  # motions that began while the ballbar was on the tool
@@ -347,7 +349,7 @@ def equip(
     scenario: Scenario,
     planted: Callable[[], PlantedEffects],
     air: Air,
-    workplace: Workplace,
+    workplace: OperatorWorkspace,
     seed: np.random.SeedSequence,
 ) -> Equipment:
     """Give the person of a cell their equipment; `planted` returns the effects as they are now."""

@@ -24,7 +24,7 @@ from truepose_simulators.faults.times import (
     AtReading,
     Fault,
     Lasting,
-    Striking,
+    ScheduledFault,
 )
 from truepose_simulators.physics.arm import Vector
 
@@ -33,7 +33,7 @@ _NAMES: Final = {kind: name for name, kind in KINDS.items()}
 _ZERO: Vector = (0.0, 0.0, 0.0)
 
 L = TypeVar("L", bound=Lasting)
-S = TypeVar("S", bound=Striking)
+S = TypeVar("S", bound=ScheduledFault)
 
 
 @dataclass(slots=True)
@@ -57,7 +57,7 @@ class ScriptedFault:
 
     def over_s(self) -> float:
         """Return when it is over, or will be."""
-        if isinstance(self.fault, Striking) and len(self.struck_s) == self.fault.count:
+        if isinstance(self.fault, ScheduledFault) and len(self.struck_s) == self.fault.count:
             return min(self.ended_s, self.struck_s[-1])
         if isinstance(self.fault, Lasting):
             return min(self.ended_s, self.fault.end_s(self.began_s()))

@@ -50,7 +50,7 @@ class Lasting(Fault):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Striking(Fault):
+class ScheduledFault(Fault):
     """Befalls `count` readings, motions or connections, the next ones when its trigger has come."""
 
     count: int = 1
@@ -60,15 +60,15 @@ class Striking(Fault):
         from_one(self, "count")
 
 
-class AtReading(Striking):
+class AtReading(ScheduledFault):
     """Befalls stationary measurements."""
 
 
-class AtMove(Striking):
+class AtMove(ScheduledFault):
     """Befalls motions."""
 
 
-class AtConnection(Striking):
+class AtConnection(ScheduledFault):
     """Befalls what the hands put between two balls."""
 
 

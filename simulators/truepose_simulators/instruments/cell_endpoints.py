@@ -21,7 +21,7 @@ from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import SimulatorError, TruthRequestError
 from truepose_simulators.faults.file import read_fault
 from truepose_simulators.faults.kinds import KINDS
-from truepose_simulators.faults.times import Fault, Lasting, Striking
+from truepose_simulators.faults.times import Fault, Lasting, ScheduledFault
 from truepose_simulators.instruments.endpoint import Endpoint, line_endpoint
 from truepose_simulators.physics.arm import Vector
 
@@ -133,7 +133,7 @@ async def answer_hands(line: bytes, hands: Hands) -> hands_protocol.Answer:
 
 
 _LONGEST_LINE_BYTES: Final = 1 << 14
-_WHEN: Final = {item.name for item in (*dataclasses.fields(Lasting), *dataclasses.fields(Striking))}
+_WHEN: Final = {item.name for item in (*dataclasses.fields(Lasting), *dataclasses.fields(ScheduledFault))}
 _TYPES: Final = {float: "number", int: "whole", int | None: "whole", str: "text", Vector: "vector"}
 
 

@@ -2,16 +2,16 @@
 
 from truepose_simulators.recording.campaign import Points, Readings, Recording, References, record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import NoStopsError, Stops, Wishes
+from truepose_simulators.recording.plan import NoStopsError, RecordingRequest, Stops
 
 __all__ = [
     "NoStopsError",
     "Points",
     "Readings",
     "Recording",
+    "RecordingRequest",
     "References",
     "Stops",
-    "Wishes",
     "record",
     "write_campaign",
 ]

@@ -10,16 +10,16 @@ from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ReplayError, SimulatorError
 from truepose_simulators.recording.ballbars.campaign import (
-    BallbarWishes,
+    BallbarRecordingRequest,
     record_ballbar,
     write_ballbar_campaign,
 )
 from truepose_simulators.recording.ballbars.plan import read_plan
 from truepose_simulators.recording.campaign import record
-from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop, write_loop
 from truepose_simulators.recording.closed_loops import LOOPS
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import APPROACHES, Wishes
+from truepose_simulators.recording.plan import APPROACHES, RecordingRequest
 from truepose_simulators.recording.replay import replay, write_replay
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model
@@ -40,26 +40,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _wishes(options: argparse.Namespace) -> Wishes:
+def _wishes(options: argparse.Namespace) -> RecordingRequest:
     """Return what was asked of the tracker campaign; what was not is usual, beside a ballbar or alone."""
-    usual = Wishes() if options.ballbar is None else BallbarWishes().tracker
-    asked = {name: getattr(options, name) for name in Wishes.__dataclass_fields__}
+    usual = RecordingRequest() if options.ballbar is None else BallbarRecordingRequest().tracker
+    asked = {name: getattr(options, name) for name in RecordingRequest.__dataclass_fields__}
     return replace(usual, **{name: value for name, value in asked.items() if value is not None})
 
 
-def _loop_wishes(options: argparse.Namespace) -> LoopWishes:
+def _loop_wishes(options: argparse.Namespace) -> LoopRecordingRequest:
     asked = {name: getattr(options, name) for name in ("configurations", "validation", "approach")}
-    return LoopWishes(options.loop, **{name: value for name, value in asked.items() if value is not None})
+    return LoopRecordingRequest(
+        options.loop, **{name: value for name, value in asked.items() if value is not None}
+    )
 
 
-def _write(options: argparse.Namespace, scenario: Scenario, wishes: Wishes) -> None:
+def _write(options: argparse.Namespace, scenario: Scenario, wishes: RecordingRequest) -> None:
     model = None if options.model is None else load_model(options.model)
     scenario = scenario.quiet() if options.quiet else scenario
     if options.loop is not None:
         write_loop(record_loop(scenario, options.seed, _loop_wishes(options)), options.out)
         return
     if options.ballbar is not None:
-        ballbar = BallbarWishes(options.aimed, options.aim_error, options.approach, wishes)
+        ballbar = BallbarRecordingRequest(options.aimed, options.aim_error, options.approach, wishes)
         plan = read_plan(options.ballbar)
         write_ballbar_campaign(record_ballbar(scenario, options.seed, plan, ballbar, model), options.out)
         return
@@ -92,18 +94,19 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         ("reference-every", "stops between readings of the fixed nests, 0 for none"),
     ):
         alone, beside = (
-            getattr(usual, name.replace("-", "_")) for usual in (Wishes(), BallbarWishes().tracker)
+            getattr(usual, name.replace("-", "_"))
+            for usual in (RecordingRequest(), BallbarRecordingRequest().tracker)
         )
         default = f"{alone}" if alone == beside else f"{alone}, beside --ballbar {beside}"
         add(f"--{name}", type=int, help=f"{what} (default: {default})")
-    add("--approach", choices=APPROACHES, default=Wishes().approach, help="default: %(default)s")
+    add("--approach", choices=APPROACHES, default=RecordingRequest().approach, help="default: %(default)s")
     add("--quiet", action="store_true", help="leave out the drift and the warm-up of an everyday robot")
     add("--ballbar", type=Path, metavar="PLAN", help="record a ballbar campaign of this plan (JSON) as well")
     add("--aimed", action="store_true", help="ballbar: joints corrected as after a pre-calibration")
     add(
         "--aim-error",
         type=float,
-        default=BallbarWishes().aim_error_mm,
+        default=BallbarRecordingRequest().aim_error_mm,
         help="by which that misses a length, mm (default: %(default)s)",
     )
     add("--loop", choices=LOOPS, help="record a closed loop of this kind instead")

@@ -15,7 +15,7 @@ from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray, move, register
-from truepose_simulators.recording.plan import Stops, Wishes, plan_stops
+from truepose_simulators.recording.plan import RecordingRequest, Stops, plan_stops
 from truepose_simulators.scenarios.scenario import Scenario
 
 _REGISTRATION_READINGS = 20  # of each fixed nest, before the first stop
@@ -97,7 +97,9 @@ class Recording:
     references: References
 
 
-def record(scenario: Scenario, seed: int, wishes: Wishes, model: IdentifiedModel | None = None) -> Recording:
+def record(
+    scenario: Scenario, seed: int, wishes: RecordingRequest, model: IdentifiedModel | None = None
+) -> Recording:
     """Record a campaign of the cell that scenario, seed and perhaps an identified model give.
 
     The same scenario, seed and wishes give the same campaign.
@@ -110,7 +112,9 @@ def record(scenario: Scenario, seed: int, wishes: Wishes, model: IdentifiedModel
     return record_in(Cell(scenario, seed, CellClock(0), model), wishes)[0]
 
 
-def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recording, RegisteredTracker]:
+def record_in(
+    cell: Cell, wishes: RecordingRequest, start_s: float = 0.0
+) -> tuple[Recording, RegisteredTracker]:
     """Record a campaign in a cell from a cell time on; the tracker stays for further readings.
 
     Raises
@@ -122,7 +126,7 @@ def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recordi
     return record_at(cell, replace(stops, time_s=stops.time_s + start_s), wishes)
 
 
-def record_at(cell: Cell, stops: Stops, wishes: Wishes) -> tuple[Recording, RegisteredTracker]:
+def record_at(cell: Cell, stops: Stops, wishes: RecordingRequest) -> tuple[Recording, RegisteredTracker]:
     """Record a campaign at given stops, as many of which calibrate as `wishes` says; all else as above."""
     noise_rng = _generator(cell, _NOISE_STREAM)
     tracker = RegisteredTracker(cell, noise_rng)

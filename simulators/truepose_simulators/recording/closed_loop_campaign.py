@@ -33,7 +33,7 @@ from truepose_simulators.recording.files import (
     write_json,
     write_table,
 )
-from truepose_simulators.recording.plan import APPROACHES, Wishes, directions
+from truepose_simulators.recording.plan import APPROACHES, RecordingRequest, directions
 from truepose_simulators.scenarios.scenario import Scenario
 
 _STREAM = 103  # 100 to 102 are the tracker's and the ballbar's campaigns
@@ -45,15 +45,17 @@ _TOUCH_RAD = 1e-5  # of the numerical derivative
 
 
 @dataclass(frozen=True, slots=True)
-class LoopWishes:
+class LoopRecordingRequest:
     """What a recorded closed loop should be."""
 
     kind: str = "two-spheres"
     configurations: int = 80
     validation: int = 40  # further stops whose contacts judge
     approach: str = "from_below"
-    tracker: Wishes = field(
-        default_factory=lambda: Wishes(configurations=1, validation=300, attachments=1, reference_every=0)
+    tracker: RecordingRequest = field(
+        default_factory=lambda: RecordingRequest(
+            configurations=1, validation=300, attachments=1, reference_every=0
+        )
     )
 
     def __post_init__(self) -> None:
@@ -99,7 +101,7 @@ class LoopRecording:
 
 
 def record_loop(
-    scenario: Scenario, seed: int, wishes: LoopWishes, planned: LoopConfigurations | None = None
+    scenario: Scenario, seed: int, wishes: LoopRecordingRequest, planned: LoopConfigurations | None = None
 ) -> LoopRecording:
     """Record a closed loop in the cell that scenario and seed give.
 

@@ -26,7 +26,7 @@ class NoStopsError(SimulatorError):
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class RecordingRequest:
     """What a recorded campaign should be."""
 
     configurations: int = 100
@@ -77,7 +77,7 @@ class Stops:
         )
 
 
-def plan_stops(cell: Cell, wishes: Wishes, rng: np.random.Generator) -> Stops:
+def plan_stops(cell: Cell, wishes: RecordingRequest, rng: np.random.Generator) -> Stops:
     """Choose all stops, calibration (with revisits at its end) before validation; raises NoStopsError."""
     n_new = wishes.configurations + wishes.validation
     joints, nests = _visible_configurations(cell, n_new, rng)
@@ -140,7 +140,7 @@ def _times_s(n_calibration: int, n_validation: int, rng: np.random.Generator) ->
     return times
 
 
-def _attachments(n_calibration: int, wishes: Wishes) -> FloatArray:
+def _attachments(n_calibration: int, wishes: RecordingRequest) -> FloatArray:
     """Return the number of the mounting at every stop; the last one stays on for the validation."""
     parts = np.arange(n_calibration) * wishes.attachments // n_calibration + 1.0
     return np.concatenate([parts, np.full(wishes.validation, float(wishes.attachments))])

@@ -22,7 +22,7 @@ from truepose.messages.catalogue import english
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.allowed_commands import Answer
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import SessionError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
@@ -32,7 +32,7 @@ SPHERE = make_sphere_plan(12, stable_s=0.1, settle_s=0.0)
 SEEN_S = 0.16  # three samples: a ballbar attached that shortly before, from out of a hand, cannot be told
 NEEDS_IT_OFF = {StepKind.DETACH, StepKind.MOVE}
 NEWS = frozenset(EntryKind) - {EntryKind.CONTROL}
-HALTS = frozenset({ActName.PAUSE, ActName.STOP, ActName.ABORT})
+HALTS = frozenset({CommandName.PAUSE, CommandName.STOP, CommandName.ABORT})
 
 
 def went_well(plan: BallbarPlan) -> tuple[LedgerEntry, ...]:
@@ -103,7 +103,7 @@ class Crowd:
         self.bench = bench
         self.guard = guard
         self.rng = rng
-        self.pressed: list[Act] = []
+        self.pressed: list[OperatorCommand] = []
 
     async def deed(self) -> None:
         deeds = (
@@ -128,21 +128,21 @@ class Crowd:
             case SessionState.AWAITING_CONFIRMATION:
                 if self.rng.random() < 0.9:  # most put right what is asked to be put right
                     bench.robot.plugged, bench.robot.state_age_s, bench.robot.fault = True, 0.0, None
-                await self.press(ActName.CONFIRM)
+                await self.press(CommandName.CONFIRM)
             case SessionState.PAUSED:
-                await self.press(ActName.RESUME)
+                await self.press(CommandName.RESUME)
             case _ if bench.now.suspicion is not None:
-                await self.press(ActName.ANSWER)
-            case _ if ActName.CONFIRM in bench.now.acts:
-                await self.press(ActName.CONFIRM)
+                await self.press(CommandName.ANSWER)
+            case _ if CommandName.CONFIRM in bench.now.acts:
+                await self.press(CommandName.CONFIRM)
                 await bench.clock.advance(self.rng.choice((0.1, 0.9)))
                 if self.rng.random() < 0.1:  # while the arm moves, perhaps
                     await self.connect_something()
             case _:
                 self.attach()
                 await bench.clock.advance(self.rng.choice((0.06, 0.25)))
-                if self.rng.random() < 0.3 and ActName.STORE in bench.now.acts:
-                    await self.press(ActName.STORE)
+                if self.rng.random() < 0.3 and CommandName.STORE in bench.now.acts:
+                    await self.press(CommandName.STORE)
 
     def attach(self) -> None:
         """Connect what is asked for, where it can be read and something is asked for."""
@@ -159,12 +159,18 @@ class Crowd:
         await self.bench.clock.advance(self.rng.choice((0.05, 0.3)))
 
     async def press_anything(self) -> None:
-        sensible = sorted(self.bench.now.acts) or [*ActName]
-        await self.press(self.rng.choice(sensible if self.rng.random() < 0.7 else [*ActName]))
+        sensible = sorted(self.bench.now.acts) or [*CommandName]
+        await self.press(self.rng.choice(sensible if self.rng.random() < 0.7 else [*CommandName]))
         await self.bench.clock.advance(self.rng.choice((0.0, 0.1, 0.6)))
 
     async def press_two_at_once(self) -> None:
-        likely = (ActName.CONFIRM, ActName.STOP, ActName.BACK, ActName.SKIP, ActName.STORE)
+        likely = (
+            CommandName.CONFIRM,
+            CommandName.STOP,
+            CommandName.BACK,
+            CommandName.SKIP,
+            CommandName.STORE,
+        )
         await asyncio.gather(*(self.press(self.rng.choice(likely)) for _ in range(2)))
         await self.bench.clock.advance(self.rng.choice((0.0, 0.6)))
 
@@ -175,28 +181,28 @@ class Crowd:
         if self.pressed:
             await self.send(self.rng.choice(self.pressed))
 
-    async def press(self, name: ActName) -> None:
-        if name is ActName.ABORT and self.rng.random() < 0.8:
+    async def press(self, name: CommandName) -> None:
+        if name is CommandName.ABORT and self.rng.random() < 0.8:
             return
         await self.send(self.act(name))
 
-    def act(self, name: ActName) -> Act:
+    def act(self, name: CommandName) -> OperatorCommand:
         bench, rng = self.bench, self.rng
-        if name is ActName.RETRY:
+        if name is CommandName.RETRY:
             self.guard.retries += 1
         acting = bench.now.acting.tablet if bench.now.acting else "one"
         tablet = acting if rng.random() < 0.9 else rng.choice(("one", "two"))
         step_id = bench.present if rng.random() < 0.95 else "placement-1/pose-1/leg-1-1"
         answer = rng.choice([*Answer]).value
-        act = Act(name, "Eva", tablet, f"crowd-{next(bench.keys)}", step_id, "a reason", answer)
+        act = OperatorCommand(name, "Eva", tablet, f"crowd-{next(bench.keys)}", step_id, "a reason", answer)
         self.pressed.append(act)
         return act
 
-    async def send(self, act: Act) -> None:
+    async def send(self, act: OperatorCommand) -> None:
         bench, guard = self.bench, self.guard
-        if act.name is ActName.CONFIRM and step_ids.kind_of(act.step_id or "") in NEEDS_IT_OFF:
+        if act.name is CommandName.CONFIRM and step_ids.kind_of(act.step_id or "") in NEEDS_IT_OFF:
             self.take_off()
-        stops = act.name is ActName.STOP and bench.now.state is SessionState.RUNNING
+        stops = act.name is CommandName.STOP and bench.now.state is SessionState.RUNNING
         stops = stops and not any(entry.key == act.key for entry in bench.disk.entries)
         guard.stops_open += stops
         try:
@@ -244,7 +250,7 @@ class Crowd:
 
     async def kill_in_the_middle_of_a_request(self) -> None:
         """The tablet has no answer, so it sends the same request again once the service is back."""
-        likely = [name for name in self.bench.now.acts if name is not ActName.ABORT] or [ActName.STOP]
+        likely = [name for name in self.bench.now.acts if name is not CommandName.ABORT] or [CommandName.STOP]
         act = self.act(self.rng.choice(sorted(likely)))
         sent = asyncio.create_task(self.send(act))
         for _ in range(self.rng.randrange(8)):
@@ -267,7 +273,7 @@ async def random_session(plan: BallbarPlan, whole: tuple[LedgerEntry, ...], seed
     async with bench:
         crowd = Crowd(bench, guard, rng)
         if not begun:
-            await crowd.press(ActName.START)
+            await crowd.press(CommandName.START)
         for _ in range(DEEDS):
             if bench.running.done():
                 break

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
-from truepose.analysis.campaigns.ballbar import Counting, LegKept, RestPose, SetupKept, SideKept
+from truepose.analysis.campaigns.ballbar import RestPose, ValidCupSetup, ValidLength, ValidReadings, ValidSide
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
 from truepose.kinematics.chain import forward, nominal_values
 
@@ -65,15 +65,17 @@ def measured_session(arm, plan: BallbarPlan, configs, *, placements=(1,), seed=0
 
     nests = arm.cell.nests_mm
     for a, b in combinations((1, 2, 3), 2):
-        sides.append(SideKept(0, (a, b), taken(np.linalg.norm(nests[b - 1] - nests[a - 1]), 1)))
+        sides.append(ValidSide(0, (a, b), taken(np.linalg.norm(nests[b - 1] - nests[a - 1]), 1)))
     for placement in plan.placements:
         if placement.number not in placements:
             continue
         cups = arm.cups(placement)
-        setups += [SetupKept(placement.number, s.base_point, arrival(s.joints_rad)) for s in placement.setups]
+        setups += [
+            ValidCupSetup(placement.number, s.base_point, arrival(s.joints_rad)) for s in placement.setups
+        ]
         for a, b in combinations(range(1, len(cups) + 1), 2):
             length = np.linalg.norm(cups[b - 1] - cups[a - 1])
-            sides.append(SideKept(placement.number, (a, b), taken(length, 2)))
+            sides.append(ValidSide(placement.number, (a, b), taken(length, 2)))
         for pose in placement.poses:
             if pose.config not in configs:
                 continue
@@ -82,9 +84,9 @@ def measured_session(arm, plan: BallbarPlan, configs, *, placements=(1,), seed=0
                 if range_mm is None or abs(true_mm - 300.0) <= range_mm:
                     length = taken(true_mm, 2 + pose.config)
                     at = arrival(pose.joints_rad)
-                    legs.append(LegKept(placement.number, pose.config, 1, leg, length, at, pose.config))
+                    legs.append(ValidLength(placement.number, pose.config, 1, leg, length, at, pose.config))
     standing = RestPose(legs[-1].placement, legs[-1].arrival.commanded_rad) if legs else None
-    return Counting(tuple(legs), tuple(sides), tuple(setups), standing=standing)
+    return ValidReadings(tuple(legs), tuple(sides), tuple(setups), standing=standing)
 
 
 def arrival(joints_rad):

@@ -12,6 +12,7 @@ from truepose.domain.diagnosis import (
     Described,
     Detail,
     Diagnosis,
+    EffectSize,
     Finding,
     Gain,
     HeldOutErrors,
@@ -21,7 +22,6 @@ from truepose.domain.diagnosis import (
     RuledOut,
     Spectrum,
     Verdict,
-    Worth,
 )
 
 
@@ -160,7 +160,7 @@ def make_unexplained(**changes):
 
 def make_described(**changes):
     """Something at joint 2 that follows joint 1 and has no name."""
-    values = {"where": "joint 2", "over": "angle of joint 1", "worth": Worth(0.3, 0.9, 0.12)}
+    values = {"where": "joint 2", "over": "angle of joint 1", "worth": EffectSize(0.3, 0.9, 0.12)}
     return Described(**{**values, **changes})
 
 

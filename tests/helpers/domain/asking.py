@@ -1,6 +1,6 @@
 """What persons ask of a session under way; each returns the sentence of the answer."""
 
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 
 
 def question(runner):
@@ -9,17 +9,17 @@ def question(runner):
 
 
 async def confirm(runner, person, accepted_serial="", prompt_id=None):
-    act = Act(ActName.CONFIRM, person, accepted_serial=accepted_serial, prompt_id=prompt_id)
+    act = OperatorCommand(CommandName.CONFIRM, person, accepted_serial=accepted_serial, prompt_id=prompt_id)
     return (await runner.ask(act)).sentence
 
 
 async def resume(runner, person, prompt_id=None):
-    return (await runner.ask(Act(ActName.RESUME, person, prompt_id=prompt_id))).sentence
+    return (await runner.ask(OperatorCommand(CommandName.RESUME, person, prompt_id=prompt_id))).sentence
 
 
 async def pause(runner, person=""):
-    return (await runner.ask(Act(ActName.PAUSE, person))).sentence
+    return (await runner.ask(OperatorCommand(CommandName.PAUSE, person))).sentence
 
 
 async def end(runner, person=""):
-    return (await runner.ask(Act(ActName.ABORT, person))).sentence
+    return (await runner.ask(OperatorCommand(CommandName.ABORT, person))).sentence

@@ -14,7 +14,7 @@ from truepose.domain.session import SessionState
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.cells.file import cell_given
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.plan_request import ContactWish
+from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.storage.records import SessionSetup
@@ -39,10 +39,14 @@ SPHERES = tuple(
 DRUMS = ((700.0, -500.0, 0.0), (700.0, 500.0, 0.0), (-300.0, 600.0, 0.0))
 CORNER = ((0.8165, 0.0, -0.5774), (-0.4082, 0.7071, -0.5774), (-0.4082, -0.7071, -0.5774))
 LOOPS = {
-    "lrmate-sphere": ContactWish("probe", (replace(SPHERES[0], place_mm=(420.0, -100.0, 80.0)),), 6),
-    "lrmate-two-spheres": ContactWish("probe", SPHERES, 6),
-    "lrmate-plane": ContactWish("probe", (Target(1, TargetKind.PLANE, place_mm=(430.0, 0.0, 60.0)),), 6),
-    "lrmate-three-gauges": ContactWish(
+    "lrmate-sphere": ContactPlanRequest(
+        "probe", (replace(SPHERES[0], place_mm=(420.0, -100.0, 80.0)),), 6
+    ),
+    "lrmate-two-spheres": ContactPlanRequest("probe", SPHERES, 6),
+    "lrmate-plane": ContactPlanRequest(
+        "probe", (Target(1, TargetKind.PLANE, place_mm=(430.0, 0.0, 60.0)),), 6
+    ),
+    "lrmate-three-gauges": ContactPlanRequest(
         "gauges",
         tuple(
             Target(number, TargetKind.GAUGE, place_mm=(430.0, 0.0, 120.0), normal=normal)
@@ -51,7 +55,7 @@ LOOPS = {
         6,
         stroke_mm=7.5,
     ),
-    "lrmate-wires": ContactWish(
+    "lrmate-wires": ContactPlanRequest(
         "wires",
         tuple(Target(n, TargetKind.WIRE, 700.0, place_mm=place) for n, place in enumerate(DRUMS, start=1)),
         6,
@@ -59,7 +63,7 @@ LOOPS = {
         margin_mm=20.0,
         reading_u_mm=0.02,
     ),
-    "lrmate-ball-sensor": ContactWish(
+    "lrmate-ball-sensor": ContactPlanRequest(
         "sensor", (Target(1, TargetKind.BALL, place_mm=(430.0, 0.0, 120.0)),), 6, reading_u_mm=0.002
     ),
 }  # fmt: skip

@@ -12,7 +12,7 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.domain.campaign import Campaign, PointReadings, Stops
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.cells.file import read_cell
 from truepose.exchange.robots.named import load_robot_with_tool, read_robot_file
@@ -222,7 +222,9 @@ def test_the_example_is_a_cause_that_a_diagnosis_can_look_for(with_friction):
     one_sided = replace(scene.stops, direction=np.ones_like(scene.stops.direction))
 
     candidates = cause.candidates(scene)
-    shown = cause.describe("joint 3", Fitted(("friction_3",), np.array([1e-8]), np.array([[1e-18]])), scene)
+    shown = cause.describe(
+        "joint 3", FittedCause(("friction_3",), np.array([1e-8]), np.array([[1e-18]])), scene
+    )
 
     assert [c.subject for c in candidates] == ["joint 2", "joint 3", "joint 4", "joint 5", "joint 6"]
     assert "from the other" in cause.unseen(replace(scene, stops=one_sided))

@@ -20,7 +20,7 @@ from truepose.domain.cell import DeviceEntry
 from truepose.exchange.cells.plant import PlantCell
 from truepose.plant import collector
 from truepose.plant.cell_client import CellClient
-from truepose.plant.collector import Shelves, visit
+from truepose.plant.collector import PlantRepositories, visit
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.database import Database
 from truepose.storage.ledger.entries import LedgerRepository
@@ -92,7 +92,7 @@ class Plant:
         asked = CellClient(PlantCell(name, "http://localhost"), wall_time, transport or cell.transport)
         await self.journal.enter(name)
         try:
-            found = await visit(name, asked, Shelves(self.journal, self.hand_downs))
+            found = await visit(name, asked, PlantRepositories(self.journal, self.hand_downs))
         finally:
             await asked.close()
         await self.visits.keep(name, found)

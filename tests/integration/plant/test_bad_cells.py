@@ -12,7 +12,7 @@ from sqlalchemy import select
 from truepose.exchange.cells.plant import PlantCell
 from truepose.plant import cell_client, collector
 from truepose.plant.cell_client import CellClient
-from truepose.plant.collector import Collector, Pace, Shelves, collecting
+from truepose.plant.collector import Collector, Pace, PlantRepositories, collecting
 from truepose.plant.errors import CellAnswerError, CellSilentError
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
@@ -57,7 +57,7 @@ async def until(holds):
 def follow(plant):
     """Return what visits two cells until the context ends."""
     cells = [PlantCell(name, "http://localhost") for name in ("left arm", "right arm")]
-    shelves = Shelves(plant.journal, plant.hand_downs)
+    shelves = PlantRepositories(plant.journal, plant.hand_downs)
     return Collector(cells, shelves, plant.visits, Pace(0.005, 0.005))
 
 

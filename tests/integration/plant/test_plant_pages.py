@@ -11,7 +11,7 @@ import pytest
 from tests.integration.plant.conftest import all_collected
 from truepose.domain.people import MACHINE, Role
 from truepose.messages.catalogue import LANGUAGES
-from truepose.storage.caches import Compared, Foreseen, to_bytes
+from truepose.storage.caches import FleetComparison, LimitForecast, to_bytes
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.plant.tables import (
     plant_days,
@@ -181,9 +181,9 @@ async def test_a_serial_number_may_have_slashes(service):
 
 async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(service):
     days = [str(TODAY + timedelta(days=ahead)) for ahead in (-90, -3, 20, 5)]
-    grows = Foreseen("120-1", "backlash", "joint 5", 0.0, days[0], 0.06, 0.012, *days[1:])
+    grows = LimitForecast("120-1", "backlash", "joint 5", 0.0, days[0], 0.06, 0.012, *days[1:])
     await lay(service, *robot("120-1", 3), *robot("120-2", 3))
-    compared = Compared("IRB 120", f"{days[1]} 08:00 UTC", 0, 0.1, (grows,))
+    compared = FleetComparison("IRB 120", f"{days[1]} 08:00 UTC", 0, 0.1, (grows,))
     await service.here.comparisons.keep(to_bytes(compared))
 
     shown = await page(service, "/")

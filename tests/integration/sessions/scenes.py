@@ -2,7 +2,7 @@
 
 from tests.integration.web.bench import Bench
 from truepose.domain.cell import DeviceEntry
-from truepose.sessions.devices import MountedDevice, Rack
+from truepose.sessions.devices import DeviceRegistry, MountedDevice
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 
@@ -13,7 +13,7 @@ class Surroundings:
     def __init__(self, database, instrument):
         bench = Bench()
         devices = [(instrument, getattr(bench, instrument)), ("robot", bench.robot)]
-        self.rack = Rack(
+        self.rack = DeviceRegistry(
             [MountedDevice(DeviceEntry(kind, "fake", {}), kind, "fake", it) for kind, it in devices],
             bench.clock,
         )

@@ -14,13 +14,13 @@ from truepose.domain.cell import BallbarKit
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.ballbar.planning import BallbarWish
+from truepose.sessions.ballbar.planning import BallbarPlanRequest
 from truepose.sessions.ballbar.service import NOBODY_RUNS, BallbarSessions
 from truepose.sessions.ballbar.situation import situation
-from truepose.sessions.devices import Rack
-from truepose.sessions.engine.commands import Act, ActName, ActOutcome
+from truepose.sessions.devices import DeviceRegistry
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.errors import DeviceInUseError, NotNowError, PlanRefusedError
-from truepose.sessions.service import SessionDesk
+from truepose.sessions.service import SessionService
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.records import RequestKey, SessionSetup
 
@@ -58,7 +58,7 @@ class FakeRunner:
         await self.gate.wait()
         self.acts += 1
         number = await self._ledger.append(measured("tool/initialise", 150.0, key=act.key))
-        return ActOutcome(f"Done {self.acts} times.", number)
+        return CommandOutcome(f"Done {self.acts} times.", number)
 
 
 class Scene(Surroundings):
@@ -71,7 +71,7 @@ class Scene(Surroundings):
 
     def open(self, rack=None, choose=None):
         """Return a desk, and the ballbar sessions behind it."""
-        desk = SessionDesk(self.sessions, self.ledger, rack or self.rack)
+        desk = SessionService(self.sessions, self.ledger, rack or self.rack)
         return desk, BallbarSessions(desk, lambda setup: None, choose, self.make_runner)
 
     def make_runner(self, *pieces, **entries):
@@ -81,10 +81,10 @@ class Scene(Surroundings):
 
     async def planned(self):
         setup = SessionSetup(domain_cell(ballbar=BallbarKit()))
-        return await self.ballbar.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+        return await self.ballbar.plan("six legs", setup, BallbarPlanRequest(given=make_ballbar_plan()))
 
-    async def act(self, session_id, name=ActName.START, key="k"):
-        act = Act(name, "Ada", "tablet-1", key)
+    async def act(self, session_id, name=CommandName.START, key="k"):
+        act = OperatorCommand(name, "Ada", "tablet-1", key)
         return await self.desk.act(session_id, act, RequestKey(key, f"fingerprint of {name}"))
 
 
@@ -134,13 +134,13 @@ async def test_an_act_whose_tablet_is_gone_is_done_all_the_same(scene):
     session_id = await scene.planned()
     await scene.act(session_id, key="k1")
     scene.runners[0].gate.clear()
-    gone = asyncio.create_task(scene.act(session_id, ActName.STORE, key="k2"))
+    gone = asyncio.create_task(scene.act(session_id, CommandName.STORE, key="k2"))
     await asyncio.sleep(0.05)
 
     gone.cancel()
     scene.runners[0].gate.set()
 
-    answer = await scene.act(session_id, ActName.STORE, key="k2")
+    answer = await scene.act(session_id, CommandName.STORE, key="k2")
     assert answer.sentence == "Done 2 times."
     assert scene.runners[0].acts == 2
 
@@ -151,7 +151,7 @@ async def test_an_act_of_a_session_that_runs_does_not_wait_for_what_others_prepa
     await scene.act(session_id, key="k1")
 
     async with scene.desk.turn, asyncio.timeout(60):
-        stopped = await scene.act(session_id, ActName.STOP, key="k2")
+        stopped = await scene.act(session_id, CommandName.STOP, key="k2")
 
     assert stopped.sentence == "Done 2 times."
 
@@ -161,11 +161,11 @@ async def test_an_entry_without_its_answer_is_not_made_again(scene):
     session_id = await scene.planned()
     number = await scene.ledger.append(session_id, measured("tool/initialise", 150.0, key="k9"))
 
-    answer = await scene.act(session_id, ActName.STORE, key="k9")
+    answer = await scene.act(session_id, CommandName.STORE, key="k9")
 
     assert answer.entry == number
     assert scene.runners == []
-    assert await scene.act(session_id, ActName.STORE, key="k9") == answer
+    assert await scene.act(session_id, CommandName.STORE, key="k9") == answer
 
 
 async def test_a_runner_that_fails_gives_the_devices_back(scene):
@@ -193,8 +193,8 @@ async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
     found = (await scene.ballbar.view(session_id)).situation
     assert found.state is SessionState.AWAITING_CONFIRMATION
     assert found.reason == NOBODY_RUNS
-    assert ActName.CONFIRM in found.acts
-    await scene.act(session_id, ActName.CONFIRM, key="k2")  # somebody runs it again
+    assert CommandName.CONFIRM in found.acts
+    await scene.act(session_id, CommandName.CONFIRM, key="k2")  # somebody runs it again
     assert scene.ballbar.running(session_id) is scene.runners[1]
 
 
@@ -215,7 +215,7 @@ async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
 async def test_a_session_whose_cell_lost_its_ballbar_does_not_keep_the_service_from_starting(scene):
     session_id = await scene.planned()
     await scene.ledger.append(session_id, entered(SessionState.RUNNING, "started"))
-    bare = Rack([], Bench().clock)
+    bare = DeviceRegistry([], Bench().clock)
 
     desk, ballbar = scene.open(bare)
     await desk.recover()
@@ -237,7 +237,7 @@ async def test_the_number_of_cups_is_that_of_the_kit(scene):
     setup = SessionSetup(domain_cell(ballbar=replace(BallbarKit(), base_points=4)))
 
     with pytest.raises(PlanRefusedError, match="4"):
-        await scene.ballbar.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+        await scene.ballbar.plan("six legs", setup, BallbarPlanRequest(given=make_ballbar_plan()))
 
 
 async def test_a_plan_that_was_stored_while_another_request_looked_for_it_is_not_made_again(
@@ -257,10 +257,10 @@ async def test_a_plan_that_was_stored_while_another_request_looked_for_it_is_not
 
     _, ballbar = scene.open(choose=choose)
     monkeypatch.setattr(scene.sessions, "answered", look_and_be_slow)
-    second = asyncio.create_task(ballbar.plan("six legs", setup, BallbarWish(), key))
+    second = asyncio.create_task(ballbar.plan("six legs", setup, BallbarPlanRequest(), key))
     await asyncio.sleep(0.05)
     monkeypatch.setattr(scene.sessions, "answered", look)
-    first = await ballbar.plan("six legs", setup, BallbarWish(), key)
+    first = await ballbar.plan("six legs", setup, BallbarPlanRequest(), key)
     stored.set()
 
     assert await second == first
@@ -277,14 +277,16 @@ async def test_a_plan_that_is_asked_for_again_while_it_is_made_is_made_once(scen
         return make_ballbar_plan()
 
     _, ballbar = scene.open(choose=choose)
-    requests = [asyncio.create_task(ballbar.plan("six legs", setup, BallbarWish(), key)) for _ in range(2)]
+    requests = [
+        asyncio.create_task(ballbar.plan("six legs", setup, BallbarPlanRequest(), key)) for _ in range(2)
+    ]
     while not asked:
         await asyncio.sleep(0.001)
     requests[0].cancel()  # its tablet gave up waiting
     gate.set()
 
     number = await requests[1]
-    assert await ballbar.plan("six legs", setup, BallbarWish(), key) == number
+    assert await ballbar.plan("six legs", setup, BallbarPlanRequest(), key) == number
     assert len(asked) == 1
     with pytest.raises(KeyReusedError):
-        await ballbar.plan("other", setup, BallbarWish(), replace(key, fingerprint="other"))
+        await ballbar.plan("other", setup, BallbarPlanRequest(), replace(key, fingerprint="other"))

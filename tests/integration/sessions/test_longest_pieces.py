@@ -17,10 +17,10 @@ from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.ballbar.service import BallbarSessions
 from truepose.sessions.contact.service import ContactSessions
-from truepose.sessions.devices import MountedDevice, Rack
+from truepose.sessions.devices import DeviceRegistry, MountedDevice
 from truepose.sessions.engine.arm import Arm, Permission
 from truepose.sessions.engine.nominal_arm import nominal_chain
-from truepose.sessions.service import SessionDesk
+from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.records import SessionSetup
 from truepose_drivers.api import JointReading, MotionGuard, MotionLimits
@@ -81,7 +81,7 @@ def rack_of(robot, clock):
         MountedDevice(DeviceEntry(kind, "any", {}), kind, "any", device)
         for kind, device in {"robot": robot, **others}.items()
     ]
-    return Rack(mounted, clock)
+    return DeviceRegistry(mounted, clock)
 
 
 KINDS_BESIDE = ("tracker", "pose_tracker", "ballbar", "linear_gauge")
@@ -89,7 +89,7 @@ KINDS_BESIDE = ("tracker", "pose_tracker", "ballbar", "linear_gauge")
 
 def cell_of(kind, rack):
     """Return the cell that a session of this kind is run on."""
-    desk = SessionDesk(None, None, rack)
+    desk = SessionService(None, None, rack)
     sessions = {
         "tracker": lambda: TrackerSessions(desk, None, None)._cell(SETUPS[kind], SLOW, first_pass=False),
         "camera": lambda: TrackerSessions(desk, None, None)._cell(SETUPS[kind], SLOW, first_pass=False),

@@ -11,11 +11,11 @@ from tests.integration.sessions.scenes import Surroundings
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.prompts import Prompt
 from truepose.sessions.engine.states import Moment
 from truepose.sessions.errors import NotNowError
-from truepose.sessions.service import SessionDesk
+from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.errors import ServerAwayError
 from truepose.storage.ledger.additions import AddedStopsRepository
@@ -32,7 +32,7 @@ class FakeRunner:
     def __init__(self, trouble=None):
         self.trouble = trouble
         self.cause_of_trouble = None if trouble is None else ServerAwayError(trouble)
-        self.prompt = None if trouble else Prompt(1, "Is the cell clear?", ActName.CONFIRM)
+        self.prompt = None if trouble else Prompt(1, "Is the cell clear?", CommandName.CONFIRM)
         self.state = SessionState.PLANNED if trouble else SessionState.AWAITING_CONFIRMATION
         self.version = 0
         self._ended = asyncio.Event()
@@ -42,7 +42,7 @@ class FakeRunner:
         return Moment(self.state, "", self.prompt, self.trouble, robot_moving=False)
 
     async def ask(self, act):
-        return ActOutcome(self.prompt.message, None)
+        return CommandOutcome(self.prompt.message, None)
 
     async def run(self):
         await self._ended.wait()
@@ -61,7 +61,7 @@ class Scene(Surroundings):
         self.trouble = None
         self.followed = []
         self.failure = None
-        self.desk = SessionDesk(self.sessions, self.ledger, self.rack)
+        self.desk = SessionService(self.sessions, self.ledger, self.rack)
         additions = AddedStopsRepository(database)
         self.tracker = TrackerSessions(self.desk, additions, self.follow, self.make_runner)
 
@@ -79,7 +79,7 @@ class Scene(Surroundings):
 
     async def start(self, session_id):
         """Have Ada start a session; returns what it asks."""
-        await self.desk.act(session_id, Act(ActName.START, "Ada"))
+        await self.desk.act(session_id, OperatorCommand(CommandName.START, "Ada"))
         return self.runners[-1].moment.prompt.message
 
     async def idle(self):

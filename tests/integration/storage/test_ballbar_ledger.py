@@ -16,7 +16,7 @@ from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.record_insertion import EventRepository
-from truepose.storage.records import ActAnswer, Page, RequestKey
+from truepose.storage.records import CommandAnswer, Page, RequestKey
 
 
 @pytest.fixture
@@ -118,7 +118,7 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
 @pytest.mark.parametrize("change", ["UPDATE {} SET session_id = 1", "DELETE FROM {}"])
 async def test_nothing_that_happened_is_changed(ledger, session_id, database, table, change):
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
-    await ledger.keep_answer(session_id, RequestKey("k", "f"), ActAnswer("stored", number))
+    await ledger.keep_answer(session_id, RequestKey("k", "f"), CommandAnswer("stored", number))
 
     with pytest.raises(ConflictError, match="never changed"):
         await database.write(lambda c: c.execute(text(change.format(table))))
@@ -152,9 +152,9 @@ async def test_an_entry_is_told_to_whoever_follows_the_events(ledger, session_id
 
 async def test_an_answer_is_kept_for_its_request(ledger, session_id):
     key = RequestKey("k", "fingerprint")
-    await ledger.keep_answer(session_id, key, ActAnswer("The reading is stored.", None))
+    await ledger.keep_answer(session_id, key, CommandAnswer("The reading is stored.", None))
 
-    assert await ledger.answer_to(session_id, key) == ActAnswer("The reading is stored.", None)
+    assert await ledger.answer_to(session_id, key) == CommandAnswer("The reading is stored.", None)
     assert await ledger.answer_to(session_id, replace(key, key="other")) is None
     with pytest.raises(KeyReusedError, match="another act"):
         await ledger.answer_to(session_id, replace(key, fingerprint="other"))

@@ -10,7 +10,7 @@ from typing import Any, Final
 from truepose.analysis.archive import ArchivedCampaign, sha256
 from truepose.analysis.archive_outcomes import Key, ToAnalyse, analyse
 from truepose.analysis.parallel.arithmetic import program
-from truepose.analysis.parallel.tasks import Cluster, Part, PartAnswer, Places
+from truepose.analysis.parallel.tasks import Cluster, Part, PartAnswer, TaskExecutor
 
 _RATIO: Final = 1.8
 _OVERHEAD_MS: Final = 10.0
@@ -93,7 +93,7 @@ class Compared:
 
 
 def compared(
-    campaigns: Sequence[ArchivedCampaign], one: Places, two: Places, part: int, tell: Tell
+    campaigns: Sequence[ArchivedCampaign], one: TaskExecutor, two: TaskExecutor, part: int, tell: Tell
 ) -> Compared:
     """Compute every campaign on both sides, `part` at a time, first on the one and then on the other."""
     sides = Side(1), Side(2)

@@ -6,7 +6,7 @@ from pathlib import Path
 from truepose.analysis.archive import ArchivedCampaign, in_folder
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 
@@ -18,5 +18,5 @@ def recorded_archive(
     for number in range(campaigns):
         out = folder / f"{number:05d}"
         if not (out / "truth.json").exists():
-            write_campaign(record(loaded[number % len(loaded)], number, Wishes(readings, 0)), out)
+            write_campaign(record(loaded[number % len(loaded)], number, RecordingRequest(readings, 0)), out)
     return in_folder(folder)[:campaigns]

@@ -25,7 +25,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 _TARGETS: Final = 1000
@@ -62,7 +62,7 @@ def main() -> int:
 
 def proof_of(scenario: str, seed: int, configurations: int, *, plain: bool) -> Proof:
     """Measure, identify and correct one robot, and look where it truly goes."""
-    recording = record(load_scenario(scenario).quiet(), seed, Wishes(configurations, 0))
+    recording = record(load_scenario(scenario).quiet(), seed, RecordingRequest(configurations, 0))
     with tempfile.TemporaryDirectory() as folder:
         write_campaign(recording, Path(folder))
         model = _model(read_campaign(Path(folder)), plain=plain)

@@ -16,14 +16,14 @@ from truepose.domain.campaign import Campaign
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.ballbar.plan import ballbar_plan
-from truepose_simulators.recording import Wishes, record
+from truepose_simulators.recording import RecordingRequest, record
 from truepose_simulators.recording.ballbars.campaign import (
-    BallbarWishes,
+    BallbarRecordingRequest,
     record_ballbar,
     write_ballbar_campaign,
 )
 from truepose_simulators.recording.ballbars.plan import read_plan
-from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop, write_loop
 from truepose_simulators.scenarios.file import load_scenario
 
 _POSES: Final = 36  # of tracker and camera, as in the thesis
@@ -46,7 +46,9 @@ def _by_instrument(scenario: str) -> Measure:
 def _by_loop(kind: str) -> Measure:
     def measure(seed: int) -> Campaign:
         with tempfile.TemporaryDirectory() as folder:
-            write_loop(record_loop(load_scenario(TRACKER), seed, LoopWishes(kind, _STOPS)), Path(folder))
+            write_loop(
+                record_loop(load_scenario(TRACKER), seed, LoopRecordingRequest(kind, _STOPS)), Path(folder)
+            )
             return read_campaign(Path(folder))
 
     return measure
@@ -56,7 +58,7 @@ def _by_ballbar(seed: int) -> Campaign:
     with tempfile.TemporaryDirectory() as folder:
         plan = Path(folder) / "plan.json"
         plan.write_text(_ballbar_plan(), encoding="utf-8")
-        wishes = BallbarWishes(aimed=True)
+        wishes = BallbarRecordingRequest(aimed=True)
         recording = record_ballbar(load_scenario(TRACKER), seed, read_plan(plan), wishes)
         write_ballbar_campaign(recording, Path(folder))
         return read_campaign(Path(folder))
@@ -80,6 +82,6 @@ WAYS: Final[Mapping[str, Measure]] = MappingProxyType({
 
 def judged_at(seed: int) -> Truth:
     """Return where the tool of an arm truly was, all over the work volume; the same for every way."""
-    wishes = Wishes(configurations=1, validation=_JUDGED, attachments=1, reference_every=0)
+    wishes = RecordingRequest(configurations=1, validation=_JUDGED, attachments=1, reference_every=0)
     recording = record(load_scenario(TRACKER), seed, wishes)
     return truth_of(recording.cell, recording.validation.stops)

@@ -22,7 +22,7 @@ from tests.studies.fleet.simulated import RobotTruth, draw_new, new_cell
 from tests.studies.promise.tracker import recorded_stops
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording.campaign import record_at
 from truepose_simulators.recording.files import points_table, write_table
 from truepose_simulators.recording.plan import plan_stops
@@ -104,7 +104,7 @@ def _planned(file: Path) -> tuple[np.ndarray, np.ndarray]:
 
 def _unseen(cell: Cell, file: Path) -> Path:
     """Write readings at configurations drawn by chance, approached from below as all others are."""
-    wishes = Wishes(configurations=1, validation=_UNSEEN, attachments=1, approach="from_below")
+    wishes = RecordingRequest(configurations=1, validation=_UNSEEN, attachments=1, approach="from_below")
     stops = plan_stops(cell, wishes, np.random.default_rng([cell.seed, 78]))
     write_table(file, points_table(record_at(cell, stops, wishes)[0].validation))
     return file

@@ -26,7 +26,7 @@ from truepose.fleet.changes import Account, account_of
 from truepose.fleet.interim_check import LEVEL, InterimCheck, asked_of, grown, quick_check
 from truepose.fleet.predicted_accuracy import of_robot_now
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge
 from truepose.planning.prediction.robots_and_cells import APPROACH_RAD
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
@@ -89,7 +89,10 @@ def _planned(seed: int, robots: int, grown_mm: float) -> Planned:
     truth = draw_fleet(seed, robots, ageing=0, drifting=False)
     account = account_of(fleet_of(identified_fleet(truth, 40)))
     described = simulated_cell("irb120-clean", seed)
-    space, knowns = space_to_measure(described, APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
+    space, knowns = (
+        space_to_measure(described, APPROACH_RAD),
+        PriorKnowledge(fixed_nests=described.fixed_nests),
+    )
     candidates = draw_candidates(space, _CANDIDATES, np.random.default_rng([seed, 3]))
     belief, causes = of_robot_now(account, account.fleet.robots[0]), asked_of(account)
     check = quick_check(space, candidates, belief, causes, grown_mm, knowns)

@@ -21,7 +21,7 @@ from truepose.fleet.predicted_accuracy import (
 )
 from truepose.identification import identify
 from truepose.identification.problem.build import JointPrior
-from truepose.planning.prediction.expected_covariance import Knowns
+from truepose.planning.prediction.expected_covariance import PriorKnowledge
 from truepose.planning.prediction.plan import VolumeSample, WorkVolume, sample
 from truepose.planning.prediction.robots_and_cells import APPROACH_RAD
 from truepose.planning.workspace.candidates import draw_candidates
@@ -66,7 +66,10 @@ class NewRobot:
 def promised(account: Account, truth: FleetTruth) -> Beforehand:
     """Say what a new robot will come to."""
     described = simulated_cell("irb120-clean", truth.seed)
-    space, knowns = space_to_measure(described, APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
+    space, knowns = (
+        space_to_measure(described, APPROACH_RAD),
+        PriorKnowledge(fixed_nests=described.fixed_nests),
+    )
     belief = of_a_new_robot(account)
     steady = next(one for one in truth.robots if one.ageing is None)
     typical = record_robot(steady, 0, "tracker A", truth, 60).campaign

@@ -24,7 +24,7 @@ from truepose_simulators.physics.effects.backlash import MEASURED_GAPS_DEG
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.physics.true_robot import draw_motions
-from truepose_simulators.recording import Wishes, write_campaign
+from truepose_simulators.recording import RecordingRequest, write_campaign
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.plan import plan_stops
 from truepose_simulators.scenarios.file import load_scenario
@@ -198,7 +198,7 @@ def record_robot(
     scale = SCALE_DRIFT * share if tracker == fleet.drifting else 0.0
     seed = int(np.random.SeedSequence([fleet.seed, robot.number, month]).generate_state(1)[0])
     cell = Cell(robot.scenario(share, scale), seed, CellClock(0))
-    wishes = Wishes(configurations=configurations, validation=0, attachments=1)
+    wishes = RecordingRequest(configurations=configurations, validation=0, attachments=1)
     return Recorded(name(robot.number), tracker, DAYS_A_MONTH * month, campaign_of(cell, wishes))
 
 
@@ -208,7 +208,7 @@ def new_cell(robot: RobotTruth, seed: int) -> Cell:
     return Cell(robot.scenario(0.0, 0.0), own, CellClock(0))
 
 
-def campaign_of(cell: Cell, wishes: Wishes) -> Campaign:
+def campaign_of(cell: Cell, wishes: RecordingRequest) -> Campaign:
     """Return the campaign of a cell, read back from its files."""
     recording, _ = record_in(cell, wishes)
     with tempfile.TemporaryDirectory() as folder:
@@ -219,7 +219,7 @@ def campaign_of(cell: Cell, wishes: Wishes) -> Campaign:
 def unseen(robot: RobotTruth, seed: int, count: int) -> tuple[Stops, np.ndarray, FloatArray]:
     """Return stops at other configurations, the nests there, and where they truly are, (n, 3)."""
     cell = Cell(robot.scenario(1.0, 0.0), seed, CellClock(0))
-    wishes = Wishes(configurations=count, validation=0, attachments=1)
+    wishes = RecordingRequest(configurations=count, validation=0, attachments=1)
     stops = plan_stops(cell, wishes, np.random.default_rng([seed, 77]))
     joints = np.radians(stops.joints_deg)
     conditions = cell.conditions(joints, stops.direction, stops.time_s, stops.attachment)

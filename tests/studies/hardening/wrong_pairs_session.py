@@ -8,7 +8,7 @@ import numpy as np
 from tests.helpers.ballbar.sessions import make_length
 from tests.studies.hardening.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
 from truepose.analysis.ballbar_plans import precalibrate
-from truepose.analysis.campaigns.ballbar import Counting, LegKept, RestPose, SetupKept, SideKept
+from truepose.analysis.campaigns.ballbar import RestPose, ValidCupSetup, ValidLength, ValidReadings, ValidSide
 from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
 from truepose.planning.ballbar.length_forecast import known_beforehand
 from truepose.validation.connection_check import judge_leg, judge_pose
@@ -66,7 +66,7 @@ class Site:
     def counting(self, kept, poses):
         """What the service would count of these readings."""
         legs = [
-            LegKept(
+            ValidLength(
                 pose.placement, config, 1, leg, _taken(reading.length_mm), _arrival(pose.joints_rad), config
             )
             for config, readings in kept.items()
@@ -74,13 +74,13 @@ class Site:
             for leg, reading in readings.items()
         ]
         setups = [
-            SetupKept(placement.number, setup.base_point, _arrival(setup.joints_rad))
+            ValidCupSetup(placement.number, setup.base_point, _arrival(setup.joints_rad))
             for placement in self.plan.placements
             for setup in placement.setups
         ]
-        sides = [SideKept(number, points, _taken(mm)) for (number, points), mm in self.sides.items()]
+        sides = [ValidSide(number, points, _taken(mm)) for (number, points), mm in self.sides.items()]
         last = poses[next(reversed(kept))]
-        return Counting(tuple(legs), tuple(sides), tuple(setups),
+        return ValidReadings(tuple(legs), tuple(sides), tuple(setups),
                         standing=RestPose(last.placement, last.joints_rad))  # fmt: skip
 
     def precalibrated(self, kept, poses):

@@ -12,11 +12,11 @@ from truepose.domain.campaign import TargetDistances
 from truepose.domain.contacts import Target, TargetKind
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning.contacts.loop_configurations import LoopWish
+from truepose.planning.contacts.loop_configurations import LoopPlanRequest
 from truepose.planning.contacts.loop_prediction import promised_loop
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.planning.workspace.space import space_to_measure
-from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop, write_loop
 from truepose_simulators.recording.closed_loops import LOOPS, Loop, LoopConfigurations
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -29,7 +29,7 @@ def planned(scenario: str, kind: str, n: int | None) -> PromisedPlan:
     return promised_loop(space, _wish(LOOPS[kind]), n)
 
 
-def _wish(loop: Loop) -> LoopWish:
+def _wish(loop: Loop) -> LoopPlanRequest:
     targets = tuple(
         Target(
             number,
@@ -42,7 +42,7 @@ def _wish(loop: Loop) -> LoopWish:
         )
         for number, placed in enumerate(loop.placed, start=1)
     )
-    return LoopWish(targets, loop.nests, loop.u_mm, _distance(loop))
+    return LoopPlanRequest(targets, loop.nests, loop.u_mm, _distance(loop))
 
 
 def _distance(loop: Loop) -> TargetDistances | None:
@@ -59,7 +59,7 @@ def attained(scenario: str, seed: int, kind: str, plan: PromisedPlan) -> HeldOut
         raise SystemExit("this is no plan of a closed loop")
     first = np.array([numbers[0] - 1 for numbers in plan.targets])
     stands = LoopConfigurations(np.degrees(plan.joints_rad).round(5), plan.nest, first)
-    recording = record_loop(load_scenario(scenario), seed, LoopWishes(kind, validation=10), stands)
+    recording = record_loop(load_scenario(scenario), seed, LoopRecordingRequest(kind, validation=10), stands)
     with tempfile.TemporaryDirectory() as folder:
         write_loop(recording, Path(folder))
         campaign = read_campaign(Path(folder))

@@ -10,9 +10,9 @@ from tests.studies.loops.held_out import HeldOut, Truth, held_out
 from truepose.domain.campaign import Stops
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.recording import RecordingRequest, record, write_campaign
 from truepose_simulators.recording import Stops as RecordedStops
-from truepose_simulators.recording import Wishes, record, write_campaign
-from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop, write_loop
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import Scenario
 
@@ -25,19 +25,19 @@ def calibrated(scenario: str, seed: int, kind: str, stops: int) -> HeldOut:
         if kind == TRACKER:
             truth = _tracked(load_scenario(scenario), seed, stops, Path(name))
         else:
-            truth = _looped(load_scenario(scenario), seed, LoopWishes(kind, stops), Path(name))
+            truth = _looped(load_scenario(scenario), seed, LoopRecordingRequest(kind, stops), Path(name))
         campaign = read_campaign(Path(name))
     return held_out(campaign, truth)
 
 
-def _looped(scenario: Scenario, seed: int, wishes: LoopWishes, folder: Path) -> Truth:
+def _looped(scenario: Scenario, seed: int, wishes: LoopRecordingRequest, folder: Path) -> Truth:
     recording = record_loop(scenario, seed, wishes)
     write_loop(recording, folder)
     return truth_of(recording.cell, recording.points.stops)
 
 
 def _tracked(scenario: Scenario, seed: int, stops: int, folder: Path) -> Truth:
-    recording = record(scenario, seed, Wishes(configurations=stops, validation=300, attachments=1))
+    recording = record(scenario, seed, RecordingRequest(configurations=stops, validation=300, attachments=1))
     write_campaign(recording, folder)
     return truth_of(recording.cell, recording.validation.stops)
 

@@ -17,7 +17,7 @@ from tests.unit.service.sessions.ballbar.sessions import make_plan
 from truepose.domain.ballbar import StepKind
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.errors import ReasonMissingError, SessionError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError
@@ -110,15 +110,15 @@ class _Person:
             self._seen.troubles["service restarted"] += 1
             await bench.restart()
         elif bench.now.state is SessionState.PAUSED:
-            await self._press(ActName.RESUME)
+            await self._press(CommandName.RESUME)
         elif bench.now.state is SessionState.AWAITING_CONFIRMATION:
             foreign = bench.now.ballbar.foreign
-            await self._press(ActName.CONFIRM, accepted_serial=foreign.serial if foreign else "")
+            await self._press(CommandName.CONFIRM, accepted_serial=foreign.serial if foreign else "")
         elif bench.now.suspicion is not None:
-            await self._press(ActName.ANSWER, answer="right_pair")
+            await self._press(CommandName.ANSWER, answer="right_pair")
         elif step is not None and step.kind in READINGS:
             await self._read()
-        elif ActName.CONFIRM in bench.now.acts:
+        elif CommandName.CONFIRM in bench.now.acts:
             await self._confirm(needs_it_off=step is not None and step.kind in _NEEDS_IT_OFF)
         await bench.clock.advance(self._rng.choice((0.0, 0.1, 0.5)))
 
@@ -133,7 +133,7 @@ class _Person:
             bench.bar.out_of_range_mm = 1.05  # the magnets reach these two balls, the transducer does not
         await bench.clock.advance(rng.choice((0.3, 1.0, 2.0)))
         if bench.present == step_id and rng.random() < 0.7:
-            await self._press(rng.choice((ActName.STORE, ActName.SKIP)), reason="it reads nothing")
+            await self._press(rng.choice((CommandName.STORE, CommandName.SKIP)), reason="it reads nothing")
 
     async def _confirm(self, *, needs_it_off: bool) -> None:
         if needs_it_off and self._rng.random() >= _FORGETS:
@@ -141,7 +141,7 @@ class _Person:
         attached = needs_it_off and self._bench.hands.at is not None
         self._seen.confirmed_attached += attached
         try:
-            await self._bench.press(ActName.CONFIRM)
+            await self._bench.press(CommandName.CONFIRM)
         except ReasonMissingError:
             self._seen.refused += attached
             if self._rng.random() < 0.5:
@@ -152,12 +152,12 @@ class _Person:
     async def _say_where_it_lies(self) -> None:
         self._take_off()
         self._seen.reasons += 1
-        await self._press(ActName.CONFIRM, reason="it lies on the table, its battery is out")
+        await self._press(CommandName.CONFIRM, reason="it lies on the table, its battery is out")
 
     def _take_off(self) -> None:
         self._bench.hands.detach()
         self._bench.bar.out_of_range_mm = None
 
-    async def _press(self, name: ActName, **said: str) -> None:
+    async def _press(self, name: CommandName, **said: str) -> None:
         with contextlib.suppress(SessionError):
             await self._bench.press(name, **said)

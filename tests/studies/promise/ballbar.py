@@ -18,9 +18,9 @@ from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.poses import setups
 from truepose.planning.prediction.ballbar import promised_ballbar_session, work_space_of
 from truepose.planning.prediction.plan import BallbarPoses, PromisedPlan, WorkVolume, sample
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording.ballbars.campaign import (
-    BallbarWishes,
+    BallbarRecordingRequest,
     record_ballbar,
     write_ballbar_campaign,
 )
@@ -29,7 +29,7 @@ from truepose_simulators.recording.ballbars.readings import Cups
 from truepose_simulators.scenarios.file import load_scenario
 
 # Of the tracker beside the ballbar nothing is used here.
-_NO_TRACKER = Wishes(configurations=1, validation=0, attachments=1)
+_NO_TRACKER = RecordingRequest(configurations=1, validation=0, attachments=1)
 
 
 def ballbar_promises(scenario: str, seeds: Sequence[int], n: int | None = None) -> list[Kept]:
@@ -38,7 +38,7 @@ def ballbar_promises(scenario: str, seeds: Sequence[int], n: int | None = None) 
     plan = promised_ballbar_session(described, n)
     places = sample(work_space_of(described), WorkVolume(), VOLUME, np.random.default_rng(OTHER_PLACES))
     made = plan_from(_document(scenario, plan), "the plan")
-    wishes = BallbarWishes(aimed=True, approach="from_below", tracker=_NO_TRACKER)
+    wishes = BallbarRecordingRequest(aimed=True, approach="from_below", tracker=_NO_TRACKER)
     found = []
     for seed in seeds:
         recording = record_ballbar(load_scenario(scenario), seed, made, wishes)

@@ -14,15 +14,15 @@ from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict
-from truepose.planning.prediction.expected_covariance import Knowns
+from truepose.planning.prediction.expected_covariance import PriorKnowledge
 from truepose.planning.prediction.plan import PromisedPlan, VolumeSample, WorkVolume, sample
 from truepose.planning.prediction.robots_and_cells import of_campaign
 from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.recording import RecordingRequest, write_campaign
 from truepose_simulators.recording import Stops as RecordedStops
-from truepose_simulators.recording import Wishes, write_campaign
 from truepose_simulators.recording.campaign import record_at
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -36,7 +36,7 @@ def tracker_promise(scenario: str, seed: int, n: int | None = None) -> Kept:
     """Plan, record and identify one simulated cell."""
     described = simulated_cell(scenario, seed)
     space = space_to_measure(described, _APPROACH_RAD)
-    plan = promised_session(space, n, knowns=Knowns(fixed_nests=described.fixed_nests), seed=seed)
+    plan = promised_session(space, n, knowns=PriorKnowledge(fixed_nests=described.fixed_nests), seed=seed)
     cell = Cell(load_scenario(scenario), seed, CellClock(0))
     model = identified(recorded(cell, plan))
     places = sample(space, WorkVolume(), VOLUME, np.random.default_rng([seed, OTHER_PLACES]))
@@ -51,7 +51,9 @@ def resumed_promise(scenario: str, seed: int, before: int = 50, new: int = 20) -
     described = simulated_cell(scenario, seed)
     space = space_to_measure(described, _APPROACH_RAD)
     cell = Cell(load_scenario(scenario).quiet(), seed, CellClock(0))
-    first = promised_session(space, before, knowns=Knowns(fixed_nests=described.fixed_nests), seed=seed)
+    first = promised_session(
+        space, before, knowns=PriorKnowledge(fixed_nests=described.fixed_nests), seed=seed
+    )
     campaign = recorded(cell, first)
     known = of_campaign(campaign, identified(campaign))
     plan = promised_session(known.space, new, knowns=known.knowns, measured=known.measured, seed=seed)
@@ -88,7 +90,7 @@ def recorded_stops(cell: Cell, joints_rad: FloatArray, nest: IntArray) -> Campai
         nest=nest,
         repeat_of=np.zeros(n, dtype=int),
     )
-    recording, _ = record_at(cell, stops, Wishes(configurations=n, validation=0, attachments=1))
+    recording, _ = record_at(cell, stops, RecordingRequest(configurations=n, validation=0, attachments=1))
     with tempfile.TemporaryDirectory() as folder:
         write_campaign(recording, Path(folder))
         return read_campaign(Path(folder))

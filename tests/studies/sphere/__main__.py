@@ -22,7 +22,7 @@ from tests.studies.sphere.calibrated_arms import (
     calibrated,
     sphere_campaign,
 )
-from truepose.domain.ballbar import BallbarPlan, SphereWish
+from truepose.domain.ballbar import BallbarPlan, SpherePlanRequest
 from truepose.domain.identification import Model
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.robots.named import load_robot
@@ -103,7 +103,7 @@ def arms_tested(scenario: str, seed: int, stops: int) -> tuple[Arm, Arm]:
 
 def _commanded(arm: CalibratedArm, stops: int, seed: int, *, by_model: bool) -> tuple[Tested, Tested]:
     model = arm.model if by_model else None
-    wish = SphereWish(arm.calibration.nests, stops, model)
+    wish = SpherePlanRequest(arm.calibration.nests, stops, model)
     plan = plan_sphere(_cell(arm), base_fixture(1, _FRAME), wish, seed=seed)
     any_side, below = (_tested(arm, plan, model, seed, one_sided=side) for side in (False, True))
     return any_side, below

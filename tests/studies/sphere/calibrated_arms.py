@@ -19,7 +19,7 @@ from truepose.identification import identify
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import Scenario, ToolSetup
 
@@ -71,7 +71,7 @@ class CalibratedArm:
 def calibrated(scenario: str, seed: int, calibration: Calibration) -> CalibratedArm:
     """Measure all three nests in random configurations, and identify."""
     setup = _with_artefact(load_scenario(scenario).quiet(), calibration)
-    wishes = Wishes(calibration.configurations, 0, approach="from_below", attachments=1)
+    wishes = RecordingRequest(calibration.configurations, 0, approach="from_below", attachments=1)
     recording = record(setup, seed, wishes)
     with tempfile.TemporaryDirectory() as folder:
         write_campaign(recording, Path(folder))

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.commands import typed
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 HOUR_S = 3600.0
@@ -37,7 +37,7 @@ class Measured:
         self._points, self.model = folder / "validation.csv", folder / "model.json"
         scenario = folder / "scenario.toml"
         scenario.write_text(PLANTED.format(effect, from_s), encoding="utf-8")
-        recording = record(load_scenario(str(scenario)), 5, Wishes(validation=60), None)
+        recording = record(load_scenario(str(scenario)), 5, RecordingRequest(validation=60), None)
         self._cell, self._stops = recording.cell, recording.validation.stops
         write_campaign(recording, folder)
         self.told = truepose("diagnose", folder, "--model-out", self.model).stdout

@@ -12,7 +12,7 @@ from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.reports.rounding import rounded
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign as write_recorded
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 _PLACE = {"x_mm": 350, "y_mm": -150, "z_mm": 150, "ry_deg": -30, "rz_deg": 60}
@@ -27,7 +27,7 @@ async def service(tmp_path):
 
 async def _identified(service, folder):
     """Have the service identify this very arm from a tracker's campaign; returns the model's number."""
-    write_recorded(record(load_scenario("irb120-everyday").quiet(), 2, Wishes(60, 0)), folder)
+    write_recorded(record(load_scenario("irb120-everyday").quiet(), 2, RecordingRequest(60, 0)), folder)
     archive = write_campaign_zip(read_campaign(folder))
     sent = await service.post(
         "/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"}

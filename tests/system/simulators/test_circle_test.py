@@ -9,7 +9,7 @@ from tests.helpers.domain.circles import points_of, there_and_back, turned
 from truepose.validation.circle_test import circle_test
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording.campaign import record_at
 from truepose_simulators.recording.plan import Stops
 from truepose_simulators.scenarios.file import load_scenario
@@ -59,7 +59,7 @@ def circles():
     )
     scenario = replace(load_scenario("irb120-everyday"), tool=_TOOL)
     cell = Cell(scenario, 1, CellClock(0))
-    recorded, _ = record_at(cell, stops, Wishes(configurations=n, validation=0))
+    recorded, _ = record_at(cell, stops, RecordingRequest(configurations=n, validation=0))
     read = recorded.calibration.readings
     points = points_of(joints, read.position_mm, read.u_mm.mean(), direction=direction.astype(np.int64))
     test = circle_test(points)

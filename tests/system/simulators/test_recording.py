@@ -10,7 +10,7 @@ import pytest
 
 from tests.helpers.commands import typed
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose_simulators.recording import Wishes, record, write_campaign
+from truepose_simulators.recording import RecordingRequest, record, write_campaign
 from truepose_simulators.recording.__main__ import main
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -48,7 +48,7 @@ def test_an_everyday_robot_keeps_what_a_real_one_keeps(tmp_path, seed):
 
 
 def test_the_tables_hold_what_was_recorded(tmp_path):
-    recording = record(load_scenario("lrmate-tilted"), 2, Wishes(20, 10, revisits=4))
+    recording = record(load_scenario("lrmate-tilted"), 2, RecordingRequest(20, 10, revisits=4))
     write_campaign(recording, tmp_path)
 
     calibration = rows(tmp_path / "calibration.csv")

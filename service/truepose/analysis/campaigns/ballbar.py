@@ -17,7 +17,7 @@ _TOOL = 0  # placement of the tool's triangle in a campaign
 
 
 @dataclass(frozen=True, slots=True)
-class LegKept:
+class ValidLength:
     """A leg that counts, and where the arm stood."""
 
     placement: int
@@ -30,7 +30,7 @@ class LegKept:
 
 
 @dataclass(frozen=True, slots=True)
-class SideKept:
+class ValidSide:
     """A side of a triangle that counts."""
 
     placement: int  # 0: the tool's
@@ -39,7 +39,7 @@ class SideKept:
 
 
 @dataclass(frozen=True, slots=True)
-class SetupKept:
+class ValidCupSetup:
     """Where the arm held the ball while a cup was clamped on it."""
 
     placement: int
@@ -56,19 +56,19 @@ class RestPose:
 
 
 @dataclass(frozen=True, slots=True)
-class Counting:
+class ValidReadings:
     """What counts of a session: nothing superseded, nothing skipped, no pose whose legs were exchanged."""
 
-    legs: tuple[LegKept, ...] = ()
-    sides: tuple[SideKept, ...] = ()
-    setups: tuple[SetupKept, ...] = ()
+    legs: tuple[ValidLength, ...] = ()
+    sides: tuple[ValidSide, ...] = ()
+    setups: tuple[ValidCupSetup, ...] = ()
     skipped: tuple[str, ...] = ()  # a sentence each
     exchanged: tuple[int, ...] = ()  # poses left out because their legs were confused
     standing: RestPose | None = None  # None: the arm has not moved yet
 
 
 def assemble_ballbar_campaign(
-    name: str, setup: SessionSetup, kit: BallbarKit, counting: Counting
+    name: str, setup: SessionSetup, kit: BallbarKit, counting: ValidReadings
 ) -> Campaign:
     """Return the campaign of a ballbar session.
 
@@ -81,7 +81,7 @@ def assemble_ballbar_campaign(
         Where the readings come from, for the notes.
     setup : SessionSetup
     kit : BallbarKit
-    counting : Counting
+    counting : ValidReadings
 
     Raises
     ------
@@ -106,7 +106,7 @@ def assemble_ballbar_campaign(
     )
 
 
-def leg_readings(legs: Sequence[LegKept], attachment: int) -> LegReadings:
+def leg_readings(legs: Sequence[ValidLength], attachment: int) -> LegReadings:
     """Return legs as a table, in the order they were measured."""
     stops = Stops(
         config=np.array([kept.stop for kept in legs], dtype=np.int64),
@@ -129,7 +129,7 @@ def leg_readings(legs: Sequence[LegKept], attachment: int) -> LegReadings:
     )
 
 
-def _fixture(sides: Sequence[SideKept]) -> FixtureLengths | None:
+def _fixture(sides: Sequence[ValidSide]) -> FixtureLengths | None:
     if not sides:
         return None
     return FixtureLengths(
@@ -143,7 +143,7 @@ def _fixture(sides: Sequence[SideKept]) -> FixtureLengths | None:
     )
 
 
-def _setups(setups: Sequence[SetupKept]) -> CupSetups | None:
+def _setups(setups: Sequence[ValidCupSetup]) -> CupSetups | None:
     if not setups:
         return None
     return CupSetups(
@@ -153,7 +153,7 @@ def _setups(setups: Sequence[SetupKept]) -> CupSetups | None:
     )
 
 
-def _notes(name: str, setup: SessionSetup, kit: BallbarKit, counting: Counting) -> Iterator[str]:
+def _notes(name: str, setup: SessionSetup, kit: BallbarKit, counting: ValidReadings) -> Iterator[str]:
     cell = setup.cell
     yield f"The legs are those of {name} on {cell.name}."
     if setup.simulated:

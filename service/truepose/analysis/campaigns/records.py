@@ -157,7 +157,7 @@ class UploadDetails:
 NOTHING: Final = UploadDetails()
 
 
-class CampaignDesk:
+class CampaignService:
     """Checks a campaign before it is stored; what is stored can be read."""
 
     def __init__(

@@ -22,12 +22,12 @@ from truepose.fleet.changes import Account, account_of
 from truepose.fleet.sentences import day_of
 from truepose.fleet.trend import LimitCrossing, Priority, due
 from truepose.messages.message import Text
-from truepose.storage.caches import Compared, Foreseen
+from truepose.storage.caches import FleetComparison, LimitForecast
 
 _MONTH_DAYS: Final = 365.25 / 12.0
 
 
-def foretold(account: Account, robot: str, newest: int, limit_mm: float, computed_at: str) -> Compared:
+def foretold(account: Account, robot: str, newest: int, limit_mm: float, computed_at: str) -> FleetComparison:
     """Return the robots whose change has passed a limit or will, the first to do so first.
 
     Parameters
@@ -41,14 +41,14 @@ def foretold(account: Account, robot: str, newest: int, limit_mm: float, compute
     limit_mm : float
     computed_at : str
     """
-    return Compared(robot, computed_at, newest, limit_mm, tuple(_foreseen(due(account, limit_mm))))
+    return FleetComparison(robot, computed_at, newest, limit_mm, tuple(_foreseen(due(account, limit_mm))))
 
 
-def _foreseen(robots: tuple[Priority, ...]) -> Iterator[Foreseen]:
+def _foreseen(robots: tuple[Priority, ...]) -> Iterator[LimitForecast]:
     for one in robots:
         if one.why == "passes" and one.named is not None:
             change, passes = one.named.change, one.passing
-            yield Foreseen(
+            yield LimitForecast(
                 robot=one.robot,
                 effect=change.cause.effect,
                 subject=change.cause.subject,

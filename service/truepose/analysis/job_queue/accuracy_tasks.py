@@ -39,7 +39,7 @@ class ExpectedAccuracy:
 
 
 @dataclass(frozen=True, slots=True)
-class Outlook:
+class SessionForecast:
     """What can be expected of a session."""
 
     now: ExpectedAccuracy  # of what was measured
@@ -53,7 +53,7 @@ class OutlookTask:
     session: MeasuredSession
     left: int
 
-    def perform(self, report: Callable[[float, Text], None]) -> Outlook:
+    def perform(self, report: Callable[[float, Text], None]) -> SessionForecast:
         """Return what can be expected; raises TrueposeError."""
         from truepose.analysis.predicted_accuracy import promise_of_session
 
@@ -62,4 +62,4 @@ class OutlookTask:
         points = [ExpectedAccuracy(one.n, one.mean_mm, one.worst_mm) for one in plan.curve]
         now = next(point for point in points if point.configurations >= plan.measured)
         at_end = next(point for point in points if point.configurations >= plan.total)
-        return Outlook(now, at_end if self.left else now)
+        return SessionForecast(now, at_end if self.left else now)

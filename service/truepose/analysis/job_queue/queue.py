@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from truepose.analysis.errors import BusyError
-from truepose.analysis.job_queue.scheduling import REMEMBERED, Outlook, Places, expected_s, outlook
+from truepose.analysis.job_queue.scheduling import REMEMBERED, Outlook, WorkerSlots, expected_s, outlook
 from truepose.analysis.job_queue.supervisor import Perform, Told
 from truepose.analysis.job_queue.tasks import Task
 from truepose.domain.errors import RecordRefusedError, TrueposeError
@@ -69,7 +69,7 @@ class JobQueue:
         self._jobs = jobs
         self._perform = perform
         self._now_s = now_s
-        self._places = Places()
+        self._places = WorkerSlots()
         self._running: dict[int, asyncio.Task[None]] = {}
         self._known: dict[int, _Job] = {}
 

@@ -98,7 +98,7 @@ class _Waiting:
         return self.expected_s <= SHORT_S
 
 
-class Places:
+class WorkerSlots:
     """Hands out places: one for anything, one for short work, and one that a misjudged short one moves to."""
 
     def __init__(self, short_s: float = SHORT_S) -> None:

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from truepose.analysis.campaigns.ballbar import Counting
+from truepose.analysis.campaigns.ballbar import ValidReadings
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.analysis.job_queue.accuracy_tasks import Outlook, OutlookTask, PromiseTask
+from truepose.analysis.job_queue.accuracy_tasks import OutlookTask, PromiseTask, SessionForecast
 from truepose.analysis.job_queue.file_tasks import (
     BroughtRead,
     CheckFileTask,
@@ -20,7 +20,7 @@ from truepose.analysis.job_queue.file_tasks import (
     ReadBroughtTask,
 )
 from truepose.analysis.pose_requests import PoseRequest
-from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
+from truepose.domain.ballbar import BallbarPlan, PreCalibration, SpherePlanRequest
 from truepose.domain.campaign import Campaign, Readings
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
@@ -33,7 +33,7 @@ from truepose.storage.documents import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
-    from truepose.planning.contacts.plan_request import ContactWish
+    from truepose.planning.contacts.plan_request import ContactPlanRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,7 +210,7 @@ class BallbarPlanTask:
     n_placements: int  # how many are suggested where no frame is given
     n_poses: int  # of the whole session
     seed: int
-    sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
+    sphere: SpherePlanRequest | None = None  # a sphere test at the one frame; None: six legs a pose
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -243,7 +243,7 @@ class ContactPlanTask:
     """Choose the stops of a session of closed loops."""
 
     setup: SessionSetup
-    wish: "ContactWish"
+    wish: "ContactPlanRequest"
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -269,7 +269,7 @@ class PrecalibrateTask:
 
     setup: SessionSetup
     plan: BallbarPlan
-    counting: Counting
+    counting: ValidReadings
 
     def perform(self, report: Report) -> PreCalibration:
         """Return what was found; raises TrueposeError."""
@@ -334,7 +334,7 @@ Answer: TypeAlias = (
     | BroughtRead
     | FileChecked
     | FileCorrected
-    | Outlook
+    | SessionForecast
 )
 
 

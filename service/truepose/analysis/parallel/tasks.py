@@ -114,7 +114,7 @@ T = TypeVar("T")
 ALLOWED_FAILURES = 3  # times that a worker may be lost at one task before the task is blamed; as of Dask
 
 
-class Places(Protocol):
+class TaskExecutor(Protocol):
     """Where tasks run. A lost worker's task is given to another; a task that loses several is given up."""
 
     def room(self) -> int:
@@ -137,7 +137,7 @@ class Places(Protocol):
 class Cluster:
     """Computes many parts in the places that there are."""
 
-    def __init__(self, places: Places) -> None:
+    def __init__(self, places: TaskExecutor) -> None:
         self._places = places
 
     def outcomes(

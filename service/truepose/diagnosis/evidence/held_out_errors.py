@@ -27,7 +27,7 @@ from truepose.effects.signatures import of_legs, signature_of
 from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.blocks import ObservationBlock
 from truepose.identification.verdict.judge import (
     Assessment,
     expected_noise_mm,
@@ -263,7 +263,7 @@ def _beyond(ends: Assessment) -> float:
     return float(np.sqrt(np.median(squared) / chi2_median(ends.block.components)))
 
 
-def validation_block(campaign: Campaign, structure: Structure) -> Block | None:
+def validation_block(campaign: Campaign, structure: Structure) -> ObservationBlock | None:
     """Return the validation readings as a block of a model.
 
     Parameters
@@ -274,19 +274,19 @@ def validation_block(campaign: Campaign, structure: Structure) -> Block | None:
 
     Returns
     -------
-    Block or None
+    ObservationBlock or None
         None where there are none.
     """
     readings = campaign.held_out
     return None if readings is None else observed(readings, campaign.scatter_mm, structure)
 
 
-def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatArray:
+def _residual(block: ObservationBlock, structure: Structure, values: FloatArray) -> FloatArray:
     """Return the residuals of a model with these values (P,), shape (n, d) [mm]."""
     return block.result(structure, values, None).residual
 
 
-def _without(block: Block, full: RobustFit, group: tuple[Candidate, ...]) -> FloatArray:
+def _without(block: ObservationBlock, full: RobustFit, group: tuple[Candidate, ...]) -> FloatArray:
     """Return the residuals of the extended model without a group, the others fitted again, shape (n, d) [mm].
 
     The others follow as a normal posterior's mean does where the group's values v are known to be zero: all

@@ -12,9 +12,9 @@ import numpy as np
 
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.diagnosis import Described, Worth
+from truepose.domain.diagnosis import Described, EffectSize
 from truepose.domain.singular_covariance import solved
-from truepose.effects.causes import Candidate, Description, Fitted, Scene
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from truepose.effects.registry import CAUSES
 from truepose.effects.signatures import signature_of
@@ -117,7 +117,7 @@ def effect_of(selected: Selection, names: Sequence[str]) -> FloatArray:
     return np.asarray(np.tensordot(selected.fit.values[rows], selected.fit.results[0].jacobian[rows], 1))
 
 
-def worth_of(selected: Selection, names: Sequence[str]) -> Worth:
+def worth_of(selected: Selection, names: Sequence[str]) -> EffectSize:
     """Return how far fitted parameters move the tool over the readings of the first block.
 
     Parameters
@@ -128,12 +128,12 @@ def worth_of(selected: Selection, names: Sequence[str]) -> Worth:
 
     Returns
     -------
-    Worth
+    EffectSize
         Mean and largest shift [mm], and the RMS error without these parameters, all others fitted again.
     """
     way_mm = np.linalg.norm(effect_of(selected, names), axis=1)
     own_mm = np.linalg.norm(_own_effect(selected, names), axis=1)
-    return Worth(float(way_mm.mean()), float(way_mm.max()), float(np.sqrt((own_mm**2).mean())))
+    return EffectSize(float(way_mm.mean()), float(way_mm.max()), float(np.sqrt((own_mm**2).mean())))
 
 
 def _own_effect(selected: Selection, names: Sequence[str]) -> FloatArray:
@@ -244,7 +244,7 @@ def description_of(
     Description
     """
     names = names_of(picks)
-    return CAUSES[picks[0].effect].describe(subject, Fitted(names, *values_of(selected, names)), scene)
+    return CAUSES[picks[0].effect].describe(subject, FittedCause(names, *values_of(selected, names)), scene)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from scipy.linalg import cholesky, solve_triangular
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import sites
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock
 
 
 def counted_rows(fit: RobustFit) -> BoolArray:
@@ -38,7 +38,7 @@ def counted_rows(fit: RobustFit) -> BoolArray:
     ])
 
 
-def design_effect(block: Block, result: BlockResult) -> float:
+def design_effect(block: ObservationBlock, result: BlockResult) -> float:
     """Return how many readings of a stop are worth one: 1 + (m - 1) of their correlation.
 
     What a model lacks moves all nests that are read at one stop together; so does a stop that is revisited.
@@ -50,7 +50,7 @@ def design_effect(block: Block, result: BlockResult) -> float:
 
     Parameters
     ----------
-    block : Block
+    block : ObservationBlock
         Of readings of the arm, n of them with weight.
     result : BlockResult
         The block at the fit.

@@ -14,7 +14,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     norm_with_uncertainty,
@@ -59,7 +59,7 @@ class AxisParallelism:
             if spec.name not in scene.present
         )
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say by which angle the axes are not parallel."""
         # Without its sign, which follows from the sense of a table's axes; the detail beside it has it.
         tilt, uncertainty = norm_with_uncertainty(fitted.values, fitted.covariance)

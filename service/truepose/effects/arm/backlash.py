@@ -19,7 +19,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
 )
@@ -80,7 +80,7 @@ class Backlash:
             found.append(Candidate(NAME, "joints", tuple(specs)))
         return tuple(found)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how wide the gap is; of several joints the widest, with the others in the details."""
         gaps, spreads = np.rad2deg(fitted.values), np.rad2deg(np.sqrt(np.diag(fitted.covariance)))
         widest = int(np.abs(gaps).argmax())

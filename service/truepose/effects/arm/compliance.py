@@ -22,7 +22,7 @@ from truepose.effects.causes import (
     SPRING,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     norm_with_uncertainty,
@@ -128,7 +128,7 @@ class Compliance:
             found.append(Candidate(NAME, joint_subject(joint), tuple(specs)))
         return tuple(found)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how soft the gearbox is; of products, by how much it winds up (standard deviation)."""
         if "*" in fitted.names[0]:
             return _shown_products(subject, fitted, scene)
@@ -198,7 +198,7 @@ def _is_heavy(name: str) -> bool:
     return not product or joint_of(moment) < _FIRST_WRIST_FRAME
 
 
-def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Description:
+def _shown_products(subject: str, fitted: FittedCause, scene: Scene) -> Description:
     """Describe products by the standard deviation of the deflection that they make over the readings [deg].
 
     Deflections are M p, of centred columns M = QR: their mean square is |R p|^2 / n, and R C R^T / n is the

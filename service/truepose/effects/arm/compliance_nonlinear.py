@@ -19,7 +19,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Limits,
     Scene,
     Signature,
@@ -100,7 +100,7 @@ class ComplianceNonlinear:
                 found.append(Candidate(NAME, "joints", specs, t0))
         return tuple(found)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how much softer, relative to the spring of the model, the gears are near zero torque."""
         names, shares, covariance = _shares(fitted, scene)
         share, spread = _common(shares, covariance)
@@ -163,7 +163,7 @@ def _give(name: str, rows: Rows) -> tuple[Port, FloatArray]:
     return Port(PortKind.THETA, joint), t0 * np.tanh(known_torque(rows, joint) / t0)
 
 
-def _shares(fitted: Fitted, scene: Scene) -> tuple[list[str], FloatArray, FloatArray]:
+def _shares(fitted: FittedCause, scene: Scene) -> tuple[list[str], FloatArray, FloatArray]:
     """Softness of each joint over its spring, with covariance; several t0 of one joint add up at zero.
 
     Returns

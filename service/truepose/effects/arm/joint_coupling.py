@@ -13,7 +13,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     without_turning,
@@ -69,7 +69,7 @@ class JointCoupling:
             if spec.name not in scene.present
         )
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say which joint drags it along, and how far."""
         shares = np.abs(fitted.values)
         largest = int(shares.argmax())

@@ -11,7 +11,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     without_turning,
@@ -60,7 +60,7 @@ class JointGain:
             if joint_name("gain", j) not in scene.present
         )
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say by how much the joint turns too far or not far enough."""
         gain, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         joint = joint_of(fitted.names[0])

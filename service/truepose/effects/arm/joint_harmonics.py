@@ -21,7 +21,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     without_turning,
@@ -124,7 +124,7 @@ class JointHarmonics:
             found += _curve(scene, joint)
         return tuple(found)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how large the waves are and what has that many waves per turn."""
         waves = fitted_waves(fitted)
         # A list of sixty orders tells nobody anything; how far the curve goes either way does.
@@ -154,7 +154,7 @@ def _curve(scene: Scene, joint: int) -> list[Candidate]:
     return [Candidate(NAME, joint_subject(joint), left, _HIGHEST_OF_CURVE, function=True)]
 
 
-def _describe_curve(subject: str, waves: list[FittedWave], fitted: Fitted, scene: Scene) -> Description:
+def _describe_curve(subject: str, waves: list[FittedWave], fitted: FittedCause, scene: Scene) -> Description:
     """Say how far a curve goes either way over what was measured, and which of its waves are the largest.
 
     The amplitude is half of peak to peak within the angles that were measured, with the uncertainty of that

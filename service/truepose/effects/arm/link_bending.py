@@ -20,7 +20,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Detail
 from truepose.domain.robot import LinkMass, Robot
-from truepose.effects.causes import OF_SUBJECT, SPRING, Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import OF_SUBJECT, SPRING, Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import (
     NOTHING,
     Need,
@@ -167,7 +167,7 @@ class LinkBending:
         single = [Candidate(NAME, f"link {_link_of(spec.name)}", (spec,)) for spec in specs]
         return (*single, Candidate(NAME, "links", specs)) if len(single) > 1 else tuple(single)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say by how much the flange of the stretched arm sags; nobody can picture 1/EI."""
         per_unit = _sags_mm(fitted.names, scene)
         sag = float(per_unit @ fitted.values)

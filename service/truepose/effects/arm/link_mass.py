@@ -4,7 +4,7 @@ Mass and first moment of a frame add torques (`loads.mass_terms`), which wind up
 """
 
 from truepose.effects.arm import loads
-from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 from truepose.messages.message import Text, message
 
@@ -53,7 +53,7 @@ class LinkMasses:
         together = tuple(spec for candidate in single for spec in candidate.specs)
         return (*single, Candidate(NAME, "links", together))
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how much heavier the link is; of several the one that is off most, all in the details."""
         wrong = _wrong_masses(fitted, scene)
         link, worst = max(wrong.items(), key=lambda item: abs(item[1].extra_kg))
@@ -88,7 +88,7 @@ def _specs(setting: Setting, link: int) -> tuple[ParameterSpec, ...]:
     return loads.mass_specs((f"mass_{link}", x, y, z), loads.stated_mass(setting.robot, link - 1))
 
 
-def _wrong_masses(fitted: Fitted, scene: Scene) -> dict[int, loads.WrongMass]:
+def _wrong_masses(fitted: FittedCause, scene: Scene) -> dict[int, loads.WrongMass]:
     """Return the links that were fitted, each with its amount and centre of gravity told apart."""
     return {
         link: loads.wrong_mass(fitted, specs, loads.stated_mass(scene.setting.robot, link - 1))

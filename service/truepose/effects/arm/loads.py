@@ -22,7 +22,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.robot import LinkMass, Robot
-from truepose.effects.causes import Fitted, Limits, Scene
+from truepose.effects.causes import FittedCause, Limits, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Term
 from truepose.kinematics.frames import cross
 from truepose.messages.message import Text, message
@@ -162,7 +162,7 @@ def unseen_masses(scene: Scene) -> Text | None:
     return None
 
 
-def wrong_mass(fitted: Fitted, specs: tuple[ParameterSpec, ...], stated: LinkMass) -> WrongMass:
+def wrong_mass(fitted: FittedCause, specs: tuple[ParameterSpec, ...], stated: LinkMass) -> WrongMass:
     """Tell amount and centre of gravity apart, by the formulas of the module's head.
 
     What the data say of the four parameters is their posterior less the priors of the fit; to it comes
@@ -170,7 +170,7 @@ def wrong_mass(fitted: Fitted, specs: tuple[ParameterSpec, ...], stated: LinkMas
 
     Parameters
     ----------
-    fitted : Fitted
+    fitted : FittedCause
         With these four parameters among its own.
     specs : tuple of ParameterSpec
         Mass, then moments along x, y, z, as they were fitted.

@@ -10,7 +10,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
-from truepose.effects.causes import Candidate, Description, Fitted, Limits, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Limits, Scene, Signature
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.messages.message import Text, message
 
@@ -64,7 +64,7 @@ class ThermalGrowth:
             return ()
         return (Candidate(NAME, "links", self.specs(scene.setting)),)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say by how much lengths follow the temperature."""
         growth, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         reach_m = sum(abs(row.a_mm) + abs(row.d_mm) for row in scene.setting.robot.joints) / 1000.0

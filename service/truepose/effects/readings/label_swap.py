@@ -8,7 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import distinct_values
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import Trait, WithoutParameters
 from truepose.messages.message import Text, message
 
@@ -39,7 +39,7 @@ class LabelSwap(WithoutParameters):
         """Return none: readings are tried one by one against the other nests."""
         return ()
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how many of the readings of two nests are swapped."""
         share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         first, second = (int(part.split()[1]) for part in subject.split(", "))

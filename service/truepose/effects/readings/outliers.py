@@ -7,7 +7,7 @@ share as the one value of what was fitted.
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import Trait, WithoutParameters
 from truepose.messages.message import Text, message
 
@@ -32,7 +32,7 @@ class Outliers(WithoutParameters):
         """Return none: readings are judged one by one."""
         return ()
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how many readings are bad."""
         share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         bad, all_readings = round(share * len(scene.stops)), len(scene.stops)

@@ -13,7 +13,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.motions import SECONDS_PER_HOUR, hours_since
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.messages.message import Text, message
@@ -66,7 +66,7 @@ class BallbarZero:
             candidate for candidate in proposed if candidate.specs and candidate.names[0] not in scene.present
         )
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say what the ballbar reads too much, root mean square over the initialisations."""
         errors, covariance = _at_the_end(fitted, scene)
         amplitude, uncertainty = _root_mean_square(errors, covariance)
@@ -122,7 +122,7 @@ def _after(number: int, rows: Rows) -> BoolArray:
     return np.asarray(rows.initialisation == number)
 
 
-def _at_the_end(fitted: Fitted, scene: Scene) -> tuple[FloatArray, FloatArray]:
+def _at_the_end(fitted: FittedCause, scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Return the error before the next initialisation, shape (M,) [mm], and its covariance (M, M).
 
     A constant counts as it is, a rate by the hours from the first to the last reading.

@@ -9,7 +9,7 @@ r x m g has no part along gravity, so that this is a tilt about a horizontal axi
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.effects.causes import SPRING, Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import SPRING, Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.kinematics.frames import cross
 from truepose.kinematics.gravity import centre_of_gravity
@@ -57,7 +57,7 @@ class BaseCompliance:
             return ()
         return (Candidate(NAME, "base", self.specs(scene.setting)),)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the base tilts."""
         compliance, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         sentence = message("causes.base_compliance", compliance=compliance)

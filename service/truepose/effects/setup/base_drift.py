@@ -6,7 +6,7 @@ move by rate times way (`effects.motions`).
 
 from dataclasses import replace
 
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.motions import (
     LINEAR,
     describe_drift,
@@ -53,7 +53,7 @@ class BaseDrift:
         """Propose an even drift and settling ones."""
         return () if self.unseen(scene) else drift_candidates(NAME, "base", _PREFIX, scene)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how fast the base moves, and whether anything but the base could have moved the readings."""
         shown = describe_drift(subject, fitted, scene, message("causes.base_drift"))
         # Lengths have no frame of an instrument that could drift in the base's place.

@@ -7,7 +7,7 @@ parameters from a moment on (`effects.motions`).
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature, varied
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature, varied
 from truepose.effects.motions import (
     Motion,
     Widths,
@@ -63,7 +63,7 @@ class BaseShift:
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the base jumped, and when; of several jumps the largest is the amplitude."""
         # In the order of time, as somebody would tell it.
         prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
@@ -83,7 +83,7 @@ class BaseShift:
         return Description(subject, amplitude, "mm", uncertainty, together(sentence, more), tuple(details))
 
 
-def _of(fitted: Fitted, chosen: str) -> Motion:
+def _of(fitted: FittedCause, chosen: str) -> Motion:
     return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature, varied
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature, varied
 from truepose.effects.motions import (
     Gap,
     Motion,
@@ -78,7 +78,7 @@ class FixtureShift:
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the fixture moved, and when; of several moves the largest is the amplitude."""
         placement = int(subject.split()[1])
         centre_mm = _centre_mm(scene, placement)
@@ -108,7 +108,7 @@ def _port(prefix: str, component: int) -> Port:
     return Port(PortKind.FIXTURE, 6 * (int(prefix.split("_")[1]) - 1) + component)
 
 
-def _of(fitted: Fitted, chosen: str) -> Motion:
+def _of(fitted: FittedCause, chosen: str) -> Motion:
     return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
 
 

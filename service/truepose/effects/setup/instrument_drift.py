@@ -7,7 +7,7 @@ now and then: they stand still beside a base that moves.
 
 from dataclasses import replace
 
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.motions import (
     LINEAR,
     describe_drift,
@@ -57,7 +57,7 @@ class InstrumentDrift:
         """Propose an even drift and settling ones."""
         return () if self.unseen(scene) else drift_candidates(NAME, "tracker", _PREFIX, scene)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how fast the readings move, and whether anything but the instrument could have moved them."""
         shown = describe_drift(subject, fitted, scene, message("causes.instrument_drift"))
         seen = scene.reference_s.size

@@ -9,7 +9,7 @@ certified is among the readings: fixed nests, or several nests of the tool.
 
 import numpy as np
 
-from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.messages.message import Text, message
 
@@ -50,7 +50,7 @@ class InstrumentScale:
             return ()
         return (Candidate(NAME, "ballbar" if scene.legs else "tracker", (spec,)),)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say by how much lengths are read too long or too short."""
         scale, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         key = "causes.instrument_scale.long" if scale > 0 else "causes.instrument_scale.short"

@@ -14,7 +14,7 @@ from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
     Description,
-    Fitted,
+    FittedCause,
     Scene,
     Signature,
     norm_with_uncertainty,
@@ -59,7 +59,7 @@ class NestOffset:
             return ()
         return tuple(Candidate(NAME, f"nest {nest}", _specs(nest)) for nest in still)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the nest is from its certified place."""
         amplitude, uncertainty = norm_with_uncertainty(fitted.values, fitted.covariance)
         spread = np.sqrt(np.diag(fitted.covariance))

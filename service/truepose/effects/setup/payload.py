@@ -6,7 +6,7 @@ Mass and first moment of the last frame add torques (`effects.arm.loads`), which
 import numpy as np
 
 from truepose.effects.arm import loads
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 from truepose.messages.message import Text, message
 
@@ -47,7 +47,7 @@ class Payload:
             return ()
         return (Candidate(NAME, "tool", self.specs(scene.setting)),)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how much heavier the tool is and where its centre of gravity lies."""
         stated = loads.stated_mass(scene.setting.robot, scene.setting.robot.n_joints - 1)
         wrong = loads.wrong_mass(fitted, self.specs(scene.setting), stated)

@@ -22,7 +22,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.singular_covariance import inverse
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
 from truepose.effects.motions import COMPONENTS, Widths, motion_specs, split_motion
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.messages.message import Text, message
@@ -157,7 +157,7 @@ class ToolReseating:
             return ()
         return (Candidate(NAME, "tool", specs),)
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far apart the seats are."""
         seats, covariance = _by_mounting(fitted)
         (shift, turn), (shift_u, turn_u) = deviations(seats, covariance, _SCALE, _SHIFTS_AND_TURNS)
@@ -183,7 +183,7 @@ def _mounted(rows: Rows, prefix: str) -> FloatArray:
     return np.asarray(attachment == int(prefix.split("_")[1]), dtype=float)
 
 
-def _by_mounting(fitted: Fitted) -> tuple[FloatArray, FloatArray]:
+def _by_mounting(fitted: FittedCause) -> tuple[FloatArray, FloatArray]:
     """Return seats (M, 6) [mm, rad] and their covariance (6 M, 6 M), mounting by mounting."""
     split = [split_motion(name) for name in fitted.names]
     mountings = sorted({prefix for prefix, _ in split})

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, Fitted, Scene, norm_with_uncertainty
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, norm_with_uncertainty
 from truepose.effects.installed import INSTALLED
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 from truepose.effects.unclassified import angle_errors, instrument_angle_errors, load_errors, time_errors
@@ -80,7 +80,7 @@ class Unnamed:
             if candidate.names[0] not in scene.present
         )
 
-    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+    def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Describe a cell; of several variants, the largest, with all of them in the details."""
         cells = _cells(fitted)
         largest = max(cells, key=lambda cell: abs(cell.sizes[0].amplitude))
@@ -132,7 +132,7 @@ def _spec(key: Key, part: Part) -> ParameterSpec:
     return ParameterSpec(key.name, part.unit, 0.0, part.width)
 
 
-def _cells(fitted: Fitted) -> list[_Cell]:
+def _cells(fitted: FittedCause) -> list[_Cell]:
     """Return the variants of a cell that were fitted, by their number: moments in the order of time."""
     variants: dict[str, list[int]] = {}
     keys = [key_of(name) for name in fitted.names]
@@ -150,7 +150,7 @@ def _number(variant: str) -> float:
         return 0.0
 
 
-def _sizes(fitted: Fitted, here: list[int], keys: list[Key]) -> tuple[_Amplitude, ...]:
+def _sizes(fitted: FittedCause, here: list[int], keys: list[Key]) -> tuple[_Amplitude, ...]:
     units = {part.name: part.unit for part in KINDS[keys[here[0]].kind].parts}
     of_unit: dict[str, list[int]] = {}
     for index in here:
@@ -158,7 +158,7 @@ def _sizes(fitted: Fitted, here: list[int], keys: list[Key]) -> tuple[_Amplitude
     return tuple(_amplitude(fitted, rows, unit) for unit, rows in of_unit.items())
 
 
-def _amplitude(fitted: Fitted, rows: list[int], unit: str) -> _Amplitude:
+def _amplitude(fitted: FittedCause, rows: list[int], unit: str) -> _Amplitude:
     """Return the size of parameters of one unit: of one its value, of several their length less noise."""
     values, covariance = fitted.values[rows], fitted.covariance[np.ix_(rows, rows)]
     if len(rows) == 1:

@@ -31,7 +31,7 @@ Key = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Joined:
+class JoinedTable:
     """The columns of a campaign's table, and what found no other half."""
 
     columns: Mapping[str, FloatArray]  # (n,) each, by the names of the file format
@@ -65,7 +65,7 @@ def joined(
     *,
     names: str = AT_THE_END,
     u_mm: float | None = None,
-) -> Joined:
+) -> JoinedTable:
     """Put points beside the rows of a table of joints.
 
     Parameters
@@ -98,7 +98,7 @@ def joined(
         raise MissingEntryError(_nothing_fits(points, table, by), file=file)
     taken, used = {row.line for row, _ in pairs}, {point.name for _, point in pairs}
     numbers = [name for name in header if name != _POINT]
-    return Joined(
+    return JoinedTable(
         {**_given(file, numbers, pairs), **_measured(file, pairs, u_mm)},
         tuple(point.name for point in points if point.name not in used),
         tuple(row.line for row in table if row.line not in taken),
@@ -193,7 +193,7 @@ class Stated:
     nest_u_mm: float | None = None
 
 
-def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign, Joined]:
+def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign, JoinedTable]:
     """Return the campaign, and what belongs to nothing; raises InputFileError, UnknownRobotError."""
     listed = read_point_list(points.name, read_bytes(points), stated.unit)
     found = joined(listed, joints.name, read_bytes(joints), names=stated.names, u_mm=stated.u_mm)
@@ -206,7 +206,7 @@ def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign,
     return campaign_from_arrays(described, {"calibration": {"nest": found.ones(), **found.columns}}), found
 
 
-def _unknown(found: Joined) -> list[None]:
+def _unknown(found: JoinedTable) -> list[None]:
     """Return as many nests of unknown place as the readings name."""
     return [None] * int(max(found.columns.get("nest", found.ones())))
 

@@ -13,8 +13,8 @@ from truepose.exchange.import_wizard.headings import (
     MEANS_NOTHING,
     NOTHING,
     QUANTITIES,
+    ColumnMeaning,
     Heading,
-    Meaning,
     heading,
     motoman,
     series,
@@ -35,7 +35,7 @@ _ARM: Final = 6
 class Guess:
     """What a column is believed to be, how surely, and why."""
 
-    meaning: Meaning
+    meaning: ColumnMeaning
     certainty: Certainty
     reason: Message
 
@@ -79,7 +79,7 @@ def _has(found: Mapping[int, Guess], quantity: str) -> bool:
 def _by_name(sheet: Sheet, names: Sequence[Heading], values: Sequence[FloatArray]) -> Guesses:
     letters = motoman(list(sheet.header))
     found: Guesses = {
-        at: Guess(Meaning("joint", joint), "certain", message("bring.why.motoman"))
+        at: Guess(ColumnMeaning("joint", joint), "certain", message("bring.why.motoman"))
         for at, joint in letters.items()
     }
     for at, name in enumerate(names):
@@ -97,7 +97,7 @@ def _certainty(name: Heading) -> Certainty:
     return "certain" if name.meaning.unit in units or not units else "likely"
 
 
-def _can_be(meaning: Meaning, sheet: Sheet, column: int, values: FloatArray) -> bool:
+def _can_be(meaning: ColumnMeaning, sheet: Sheet, column: int, values: FloatArray) -> bool:
     """Whether what stands in a column can be what its name says: a number, or a label of a place."""
     if meaning.quantity in LABELS or meaning.quantity == "time":
         return True
@@ -131,7 +131,7 @@ def _series_like_joints(sheet: Sheet, values: Sequence[FloatArray], found: Guess
         if _FEWEST_JOINTS <= len(run) <= _MOST_JOINTS and None not in run and least in {0, 1}:
             reason = message("bring.why.series", count=len(run))
             return {
-                at: Guess(Meaning("joint", k), "likely", reason)
+                at: Guess(ColumnMeaning("joint", k), "likely", reason)
                 for k, at in enumerate((at for at in run if at is not None), start=1)
             }
     return {}
@@ -149,11 +149,14 @@ def _without_names(values: Sequence[FloatArray]) -> Guesses:
     if len(free) < _ARM + 3 or not all(_like_angles(values[at]) for at in free[:_ARM]):
         return {}
     reason = message("bring.why.order")
-    joints: Guesses = {at: Guess(Meaning("joint", k), "guess", reason) for k, at in enumerate(free[:_ARM], 1)}
-    places = {
-        at: Guess(Meaning("position", k), "guess", reason) for k, at in enumerate(free[_ARM : _ARM + 3], 1)
+    joints: Guesses = {
+        at: Guess(ColumnMeaning("joint", k), "guess", reason) for k, at in enumerate(free[:_ARM], 1)
     }
-    numbers = {0: Guess(Meaning("config"), "guess", message("bring.why.counts"))} if first else {}
+    places = {
+        at: Guess(ColumnMeaning("position", k), "guess", reason)
+        for k, at in enumerate(free[_ARM : _ARM + 3], 1)
+    }
+    numbers = {0: Guess(ColumnMeaning("config"), "guess", message("bring.why.counts"))} if first else {}
     return joints | places | numbers
 
 
@@ -216,7 +219,7 @@ def _group(name: Heading, groups: Mapping[str, list[int]], found: Guesses, axis:
 
 def _once_each(found: Guesses) -> Guesses:
     """Keep the first of columns that would be the same."""
-    seen: set[Meaning] = set()
+    seen: set[ColumnMeaning] = set()
     for at in sorted(found, key=lambda at: (found[at].certainty != "certain", at)):
         key = replace(found[at].meaning, unit="")
         if key.quantity != NOTHING and key in seen:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from truepose.exchange.errors import BadValueError, UnreadableFileError
-from truepose.exchange.import_wizard.headings import LABELS, NOTHING, Meaning
+from truepose.exchange.import_wizard.headings import LABELS, NOTHING, ColumnMeaning
 from truepose.exchange.import_wizard.sheet import Sheet, is_blank, is_number
 
 _SIGNS: Final = {"+": 1.0, "-": -1.0, "pos": 1.0, "neg": -1.0, "positive": 1.0, "negative": -1.0}
@@ -47,7 +47,7 @@ class ImportedTable:
         return len(self.places)
 
 
-def in_format(sheet: Sheet, meanings: Sequence[Meaning]) -> ImportedTable:
+def in_format(sheet: Sheet, meanings: Sequence[ColumnMeaning]) -> ImportedTable:
     """Return a table with one row a reading; raises UnreadableFileError at a torn row."""
     _require_whole(sheet)
     points = sorted({one.point for one in meanings if one.point}) or [0]
@@ -82,7 +82,7 @@ def _require_whole(sheet: Sheet) -> None:
             )
 
 
-def _of_point(sheet: Sheet, meanings: Sequence[Meaning], point: int) -> dict[str, Cells]:
+def _of_point(sheet: Sheet, meanings: Sequence[ColumnMeaning], point: int) -> dict[str, Cells]:
     return {
         meaning.column: _column(sheet, at, meaning)
         for at, meaning in enumerate(meanings)
@@ -90,7 +90,7 @@ def _of_point(sheet: Sheet, meanings: Sequence[Meaning], point: int) -> dict[str
     }
 
 
-def _column(sheet: Sheet, at: int, meaning: Meaning) -> Cells:
+def _column(sheet: Sheet, at: int, meaning: ColumnMeaning) -> Cells:
     cells = sheet.column(at)
     if meaning.quantity == "time":
         cells = _seconds(cells)
@@ -103,7 +103,7 @@ def _column(sheet: Sheet, at: int, meaning: Meaning) -> Cells:
     return np.array(converted, dtype=float if sound else object)
 
 
-def _value(cell: str, meaning: Meaning) -> float | str:
+def _value(cell: str, meaning: ColumnMeaning) -> float | str:
     """Return the number of a cell in the format's unit; NaN for an empty one; what is none as it is."""
     if is_number(cell):
         return meaning.converted(float(cell))

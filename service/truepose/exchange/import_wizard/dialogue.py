@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from typing import Any, Final, Literal, TypeAlias
 
-from truepose.exchange.import_wizard.headings import Meaning
+from truepose.exchange.import_wizard.headings import ColumnMeaning
 from truepose.identification.verdict.conventions import Change
 from truepose.messages.message import Message, Text
 
@@ -18,7 +18,7 @@ class FileChoice:
     """What was said of one file."""
 
     role: str | None = None  # of ROLES; None: nothing was said
-    columns: Mapping[int, Meaning] = field(default_factory=dict)  # by column, from 0
+    columns: Mapping[int, ColumnMeaning] = field(default_factory=dict)  # by column, from 0
     edits: Mapping[int, str | None] = field(default_factory=dict)  # by line; None: it is left out
 
 
@@ -57,7 +57,7 @@ def choices_of(document: Mapping[str, Any], notes: Sequence[str] = ()) -> Choice
 
 
 def _file(said: Mapping[str, Any]) -> FileChoice:
-    columns = {int(at): Meaning(**meaning) for at, meaning in (said.get("columns") or {}).items()}
+    columns = {int(at): ColumnMeaning(**meaning) for at, meaning in (said.get("columns") or {}).items()}
     edits: dict[int, str | None] = {int(line): text for line, text in (said.get("lines") or {}).items()}
     left_out = dict.fromkeys(said.get("left_out") or (), None)
     return FileChoice(said.get("role"), columns, edits | left_out)
@@ -81,18 +81,18 @@ Asked: TypeAlias = Literal["tables", "joints", "readings", "robot", "change", "u
 
 
 @dataclass(frozen=True, slots=True)
-class ColumnSeen:
+class DetectedColumn:
     """A column and what it is taken for."""
 
     heading: str
-    meaning: Meaning
+    meaning: ColumnMeaning
     certainty: str  # "certain", "likely", "guess"; "said": somebody chose it
     reason: Message
     shown: tuple[str, ...]  # its first cells
 
 
 @dataclass(frozen=True, slots=True)
-class FileSeen:
+class DetectedFile:
     """A file and what it is taken for."""
 
     name: str
@@ -101,7 +101,7 @@ class FileSeen:
     reason: Text = ""  # for its role, or why it is not read
     rows: int = 0
     first_line: int = 0  # of the rows
-    columns: tuple[ColumnSeen, ...] = ()
+    columns: tuple[DetectedColumn, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class RobotSeen:
 
 
 @dataclass(frozen=True, slots=True)
-class LineShown:
+class DisplayedLine:
     """A line around a fault, its cells apart."""
 
     number: int
@@ -144,7 +144,7 @@ class Fault:
     sentence: str
     line: int | None = None
     column: int | None = None  # from 0
-    around: tuple[LineShown, ...] = ()
+    around: tuple[DisplayedLine, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +159,7 @@ class Question:
 class Understood:
     """Everything that is shown of what somebody brought."""
 
-    files: tuple[FileSeen, ...]
+    files: tuple[DetectedFile, ...]
     robot: RobotSeen | None = None
     questions: tuple[Question, ...] = ()
     fault: Fault | None = None

@@ -5,7 +5,7 @@ from typing import Final
 
 from truepose.exchange.errors import InputFileError
 from truepose.exchange.import_wizard.columns import ImportedTable, ImportedValueError, labels_of
-from truepose.exchange.import_wizard.dialogue import ColumnSeen, Fault, FileSeen, LineShown
+from truepose.exchange.import_wizard.dialogue import DetectedColumn, DetectedFile, DisplayedLine, Fault
 from truepose.exchange.import_wizard.files import Piece
 from truepose.exchange.import_wizard.sheet import cells_of, decoded, lines_of
 from truepose.exchange.import_wizard.tables import DetectedTable
@@ -39,7 +39,7 @@ def _column(error: InputFileError, sheets: Sequence[DetectedTable]) -> int | Non
     return next((at for at in wanted if found.meanings[at].point in {0, point}), None)
 
 
-def _lines(piece: Piece, line: int) -> tuple[LineShown, ...]:
+def _lines(piece: Piece, line: int) -> tuple[DisplayedLine, ...]:
     sheet = piece.sheet
     lines = sheet.lines if sheet is not None else tuple(lines_of(piece.name, decoded(piece.name, piece.data)))
     numbers = range(max(1, line - _AROUND), min(len(lines), line + _AROUND) + 1)
@@ -48,9 +48,9 @@ def _lines(piece: Piece, line: int) -> tuple[LineShown, ...]:
     )
 
 
-def _line(number: int, text: str, separator: str | None) -> LineShown:
+def _line(number: int, text: str, separator: str | None) -> DisplayedLine:
     short = text[:_WIDEST]
-    return LineShown(number, tuple(cells_of(short, separator)) if separator else (short,), short)
+    return DisplayedLine(number, tuple(cells_of(short, separator)) if separator else (short,), short)
 
 
 _SHOWN: Final = 5  # cells of a column
@@ -58,17 +58,17 @@ _WIDEST_TABLE: Final = 40  # characters of a cell
 _MOST_LABELS: Final = 6
 
 
-def files_seen(found: Sequence[Piece], sheets: Sequence[DetectedTable]) -> tuple[FileSeen, ...]:
+def files_seen(found: Sequence[Piece], sheets: Sequence[DetectedTable]) -> tuple[DetectedFile, ...]:
     """Return each file and what it is taken for."""
     by_name = {one.sheet.name: one for one in sheets}
     return tuple(_file(piece, by_name.get(piece.name)) for piece in found)
 
 
-def _file(piece: Piece, one: DetectedTable | None) -> FileSeen:
+def _file(piece: Piece, one: DetectedTable | None) -> DetectedFile:
     if one is None:
         rows = 0 if piece.sheet is None else len(piece.sheet.rows)
-        return FileSeen(piece.name, piece.kind, reason=piece.why_not, rows=rows)
-    return FileSeen(
+        return DetectedFile(piece.name, piece.kind, reason=piece.why_not, rows=rows)
+    return DetectedFile(
         piece.name,
         piece.kind,
         one.role,
@@ -79,13 +79,13 @@ def _file(piece: Piece, one: DetectedTable | None) -> FileSeen:
     )
 
 
-def _column_shown(one: DetectedTable, at: int) -> ColumnSeen:
+def _column_shown(one: DetectedTable, at: int) -> DetectedColumn:
     guess = one.guesses[at]
     certainty = "said" if at in one.said_columns else guess.certainty
     cells = tuple(
         row.cells[at][:_WIDEST_TABLE] if at < len(row.cells) else "" for row in one.sheet.rows[:_SHOWN]
     )
-    return ColumnSeen(one.sheet.header[at][:80], guess.meaning, certainty, guess.reason, cells)
+    return DetectedColumn(one.sheet.header[at][:80], guess.meaning, certainty, guess.reason, cells)
 
 
 def notes_on(sheets: Sequence[DetectedTable]) -> Iterator[Message]:

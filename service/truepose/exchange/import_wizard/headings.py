@@ -69,7 +69,7 @@ LABELS: Final = frozenset({"nest", "config", "base_point", "tool_point", "placem
 
 
 @dataclass(frozen=True, slots=True)
-class Meaning:
+class ColumnMeaning:
     """What a column is."""
 
     quantity: str  # of QUANTITIES
@@ -89,7 +89,7 @@ class Meaning:
         return (value - offset) * size
 
 
-MEANS_NOTHING: Final = Meaning(NOTHING)
+MEANS_NOTHING: Final = ColumnMeaning(NOTHING)
 
 
 SYMBOLS: Final = {
@@ -192,7 +192,7 @@ _IN_BRACKETS: Final = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
 class Heading:
     """What the name of a column says; words that it does not know tell columns of a kind apart."""
 
-    meaning: Meaning
+    meaning: ColumnMeaning
     stem: str = ""  # the name without number, axis and unit
     nominal: bool = False
     measured: bool = False
@@ -202,7 +202,7 @@ def heading(name: str) -> Heading:
     """Return what the name of a column says."""
     exact = OF_THE_FORMAT.get(name)
     if exact is not None:
-        return Heading(Meaning(exact.name, 0, next(iter(exact.units), "")))
+        return Heading(ColumnMeaning(exact.name, 0, next(iter(exact.units), "")))
     tokens, unit = _taken_apart(name)
     nominal, measured = bool(NOMINAL & set(tokens)), bool(MEASURED & set(tokens))
     words = [token for token in tokens if token not in MEASURED] or tokens
@@ -245,7 +245,7 @@ def _plain_letters(text: str) -> str:
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", joined).lower()
 
 
-def _axis(words: list[str], unit: str) -> Meaning | None:
+def _axis(words: list[str], unit: str) -> ColumnMeaning | None:
     """Return a coordinate: a name with one of x, y, z in it; or how uncertain coordinates are."""
     found = [AXES.index(word) + 1 for word in words if len(word) == 1 and word in AXES]
     if not found:
@@ -254,41 +254,41 @@ def _axis(words: list[str], unit: str) -> Meaning | None:
     if len(found) != 1 or others & NOT_A_PLACE:
         return None
     if others & SPREAD:
-        return Meaning("uncertainty", 0, unit)
-    return Meaning("position", found[0], unit)
+        return ColumnMeaning("uncertainty", 0, unit)
+    return ColumnMeaning("position", found[0], unit)
 
 
 _AXIS_WORDS: Final = frozenset(f"{word}{axis}" for word in ("pos", "p", "tcp", "t") for axis in AXES)
 
 
-def _orientation(words: list[str]) -> Meaning | None:
+def _orientation(words: list[str]) -> ColumnMeaning | None:
     joined = "".join(words)
     match = re.fullmatch(r"(?:.*quat(?:ernion)?|q)([wxyz])", joined)
-    return Meaning(f"q{match[1]}") if match else None
+    return ColumnMeaning(f"q{match[1]}") if match else None
 
 
-def _numbered(words: list[str], unit: str) -> Meaning | None:
+def _numbered(words: list[str], unit: str) -> ColumnMeaning | None:
     """Return what has a number behind its word: a joint, a torque, a direction."""
     joined = "".join(word for word in words if word not in NOMINAL)
     if joined in NAMED_JOINTS and unit in {"deg", "rad", "mrad"}:
-        return Meaning("joint", NAMED_JOINTS[joined], unit)
+        return ColumnMeaning("joint", NAMED_JOINTS[joined], unit)
     match = re.fullmatch(r"(\D+?)(\d{1,2})\D*", joined)
     if match is None:
         return None
     names = [word for word in words if not word.isdecimal()]
     kinds = [MEANT_BY[word] for word in (match[1], *names) if word in MEANT_BY]
     kind = next((one for one in ("torque", "direction", "joint") if one in kinds), None)
-    return None if kind is None else Meaning(kind, int(match[2]), unit)
+    return None if kind is None else ColumnMeaning(kind, int(match[2]), unit)
 
 
-def _plain(words: list[str], unit: str) -> Meaning | None:
+def _plain(words: list[str], unit: str) -> ColumnMeaning | None:
     joined = "".join(words)
     known = [MEANT_BY[word] for word in (joined, *words) if word in MEANT_BY]
     kind = next((name for name in known if not QUANTITIES[name].numbered), None)
     if kind is None:
         return None
     units = QUANTITIES[kind].units
-    return Meaning(kind, 0, unit if unit in units else "")
+    return ColumnMeaning(kind, 0, unit if unit in units else "")
 
 
 def motoman(names: list[str]) -> dict[int, int]:

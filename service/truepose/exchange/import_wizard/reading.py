@@ -26,7 +26,7 @@ from truepose.exchange.import_wizard.columns import ImportedTable
 from truepose.exchange.import_wizard.dialogue import (
     OWN_ROBOT,
     Choices,
-    FileSeen,
+    DetectedFile,
     Question,
     RobotSeen,
     Understood,
@@ -327,7 +327,7 @@ def detection_remarks(understood: Understood) -> Iterator[Message]:
     yield from understood.notes
 
 
-def _of_file(file: FileSeen) -> Iterator[Message]:
+def _of_file(file: DetectedFile) -> Iterator[Message]:
     for number, column in enumerate(file.columns, start=1):
         if column.certainty not in _SURE and column.meaning.column:
             yield message(

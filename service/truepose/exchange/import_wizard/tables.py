@@ -20,7 +20,7 @@ from truepose.exchange.import_wizard.columns import (
 )
 from truepose.exchange.import_wizard.dialogue import Choices
 from truepose.exchange.import_wizard.files import Piece
-from truepose.exchange.import_wizard.headings import Meaning
+from truepose.exchange.import_wizard.headings import ColumnMeaning
 from truepose.exchange.import_wizard.sheet import Sheet
 from truepose.exchange.quantities import limits_of
 from truepose.exchange.tables.fields import NO_REPEAT, SAME_JOINTS_DEG
@@ -109,7 +109,7 @@ class DetectedTable:
     reason: Message
 
     @property
-    def meanings(self) -> tuple[Meaning, ...]:
+    def meanings(self) -> tuple[ColumnMeaning, ...]:
         """What each column is."""
         return tuple(guess.meaning for guess in self.guesses)
 
@@ -154,7 +154,7 @@ def _roles(
     return [_role(kind, judges, "bring.role.name") for kind, judges in zip(kinds, judging, strict=True)]
 
 
-def _kind(meanings: Sequence[Meaning]) -> str:
+def _kind(meanings: Sequence[ColumnMeaning]) -> str:
     """Return what a sheet measures: points, lengths, or "" for neither (half a table, or none)."""
     names = {one.quantity for one in meanings}
     if "position" in names:

@@ -17,9 +17,9 @@ from truepose.domain.identification import (
     Anchor,
     MeasuredZone,
     Model,
+    ModelInadequacy,
     NestCentre,
     Parameter,
-    Shortfall,
     Unit,
 )
 from truepose.domain.robot import JointRange, Robot
@@ -205,7 +205,7 @@ def _covariance_document(covariance: FloatArray, parameters: Sequence[Parameter]
     return covariance_document(covariance * np.outer(factors, factors))
 
 
-def _shortfall_document(short: Shortfall | None, parameters: Sequence[Parameter]) -> Json:
+def _shortfall_document(short: ModelInadequacy | None, parameters: Sequence[Parameter]) -> Json:
     if short is None:
         return None
     absorbed = short.absorbed * np.divide.outer(_factors(parameters), _factors(short.functions))
@@ -283,7 +283,7 @@ def _read_covariance(node: Node, parameters: Sequence[Parameter]) -> FloatArray:
     return scaled
 
 
-def _read_shortfall(root: Node, parameters: Sequence[Parameter]) -> Shortfall | None:
+def _read_shortfall(root: Node, parameters: Sequence[Parameter]) -> ModelInadequacy | None:
     """Files from before models said where they fall short lack it."""
     node = root.optional("shortfall")
     if node is None:
@@ -291,7 +291,7 @@ def _read_shortfall(root: Node, parameters: Sequence[Parameter]) -> Shortfall | 
     functions = tuple(_read_parameter(entry) for entry in node.key("functions").items())
     rows = [row.numbers(len(functions)) for row in node.key("absorbed").items(len(parameters))]
     absorbed = np.array(rows, float).reshape(len(parameters), len(functions))
-    return Shortfall(
+    return ModelInadequacy(
         functions=functions,
         covariance=_read_covariance(node.key("covariance"), functions),
         absorbed=absorbed / np.divide.outer(_factors(parameters), _factors(functions)),

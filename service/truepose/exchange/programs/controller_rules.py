@@ -48,7 +48,7 @@ FULL_RAD: Final = 2 * np.pi
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class TargetContext:
     """What a controller knows of a target beside its pose."""
 
     branch: int  # as `kinematics.inverse` numbers them; ANY_BRANCH where nobody said it
@@ -65,7 +65,7 @@ class Rule(Protocol):
         ...
 
     def taken(
-        self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
+        self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
         """Return the joints that the controller takes, of its answers in each branch (8, J), in (-pi, pi].
 
@@ -73,7 +73,7 @@ class Rule(Protocol):
         """
         ...
 
-    def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
+    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return the numbers that count turns, for joints that are sent instead of the controller's own."""
         ...
 
@@ -107,7 +107,7 @@ class Nearest:
         return words
 
     def taken(
-        self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
+        self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
         """Return the nearest answer; of where nothing is known to be near, that of the branch.
 
@@ -125,7 +125,7 @@ class Nearest:
         stated = known.branch if known.near_rad is None else ANY_BRANCH
         return turned[first] if first == second and stated in (ANY_BRANCH, there[first]) else None
 
-    def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
+    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return nothing: no number counts turns."""
         return known.turns
 
@@ -151,12 +151,12 @@ class StatedBranch:
         return ", ".join(named or numbers[:_OF_RCONF])
 
     def taken(
-        self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
+        self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
         """Return the answer of the branch."""
         return within(answers[known.branch], limits)
 
-    def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
+    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return the numbers as they are."""
         return known.turns
 
@@ -194,7 +194,7 @@ class Confdata:
         return words.rpartition(", ")[2]
 
     def taken(
-        self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
+        self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
         """Return the answer of the branch, with axes 1, 4 and 6 in their quadrants; None if one is not."""
         joints = within(answers[known.branch], limits)
@@ -202,7 +202,7 @@ class Confdata:
         unsaid = not any(known.turns) and abs(np.sin(joints[_WRIST])) > _SINGULAR
         return joints if found is None and unsaid else found
 
-    def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
+    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return the quadrants of what is sent, unless the numbers said nothing of where the arm was."""
         if _in_quadrants(own_rad, known.turns) is None:
             return known.turns
@@ -248,7 +248,7 @@ class StatusAndTurn:
         return words if status is None else f"S {status & _STATUS_OF_THE_ARM}"
 
     def taken(
-        self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
+        self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
         """Return the answer of the branch with the signs that T names; without T nothing is said of turns."""
         joints = within(answers[known.branch], limits)
@@ -261,7 +261,7 @@ class StatusAndTurn:
             joints[axis] = signed
         return joints
 
-    def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
+    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return T of what is sent; its bits of external axes stay."""
         bits = sum(1 << axis for axis, angle in enumerate(sent_rad) if angle < 0.0)
         return tuple((turn & ~_ARM_BITS) | bits for turn in known.turns)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from truepose.domain.errors import ConfigurationError
-from truepose.exchange.programs.program import Meant, Pose, ProgramOptions
+from truepose.exchange.programs.program import Pose, ProgramOptions, TargetConventions
 from truepose.kinematics.inverse import BRANCH_NAMES
 
 _CONFDATA: Final = re.compile(r"-?\d+, -?\d+, -?\d+, ([0-7])")
@@ -38,7 +38,9 @@ _UNIT: Final = 1e-6  # of the length of a quaternion
 class CorrectionRequest:
     """How a file is meant; what does not concern its format does not matter."""
 
-    meant: Meant | None = None  # None: a table in the world of the readings, a program in the base
+    meant: TargetConventions | None = (
+        None  # None: a table in the world of the readings, a program in the base
+    )
     defined: Mapping[str, Pose] = field(default_factory=dict)
     coupled: bool = False
     branch: int | None = None
@@ -50,7 +52,7 @@ class CorrectionRequest:
     @property
     def understood(self) -> ProgramOptions:
         """What of it concerns a program."""
-        return ProgramOptions(self.meant or Meant.BASE, self.defined, self.coupled, self.branch)
+        return ProgramOptions(self.meant or TargetConventions.BASE, self.defined, self.coupled, self.branch)
 
 
 def branch_named(words: str, option: str) -> int:

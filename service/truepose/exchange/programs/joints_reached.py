@@ -24,7 +24,7 @@ import numpy as np
 from truepose.correction import ANY_BRANCH
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
-from truepose.exchange.programs.controller_rules import Known, Rule
+from truepose.exchange.programs.controller_rules import Rule, TargetContext
 from truepose.exchange.programs.program import Configuration, Pose, Program, ProgramTarget, Written
 from truepose.kinematics.inverse import BRANCHES, all_branches, has_closed_form
 
@@ -122,14 +122,14 @@ class Controller:
         self, target: ProgramTarget, answers: FloatArray, branch: int, before_rad: FloatArray | None
     ) -> FloatArray | None:
         """Return which answer is taken, from the joints before; None where the words contradict."""
-        known = Known(branch, _turns(target), _near(target), before_rad)
+        known = TargetContext(branch, _turns(target), _near(target), before_rad)
         return self._rule.taken(answers, known, self._robot.joint_limits)
 
     def turned(
         self, target: ProgramTarget, branch: int, own_rad: FloatArray, sent_rad: FloatArray
     ) -> tuple[int, ...]:
         """Return the numbers of a target that count turns, for the joints that are sent."""
-        return self._rule.turned(Known(branch, _turns(target)), own_rad, sent_rad)
+        return self._rule.turned(TargetContext(branch, _turns(target)), own_rad, sent_rad)
 
     def arriving(
         self,

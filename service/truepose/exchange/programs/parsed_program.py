@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, TypeAlias
 
-from truepose.domain.correction import LeftAlone
+from truepose.domain.correction import UncorrectedTarget
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,
@@ -50,7 +50,7 @@ class Use:
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
+class ArgumentTargets:
     """The targets that an argument can be; `told` if the text says which element of an array it is."""
 
     targets: tuple[int, ...]
@@ -83,7 +83,7 @@ class Draft:
         self._targets: list[ProgramTarget] = []
         self._fates: list[_Fate] = []
         self._uses: list[Use] = []
-        self._left: list[tuple[LeftAlone, tuple[int, ...]]] = []
+        self._left: list[tuple[UncorrectedTarget, tuple[int, ...]]] = []
         self._follows = False
 
     def line(self, words: Tokens) -> int:
@@ -127,7 +127,7 @@ class Draft:
         self, line: int, what: str, reason: Message, serving: Sequence[int] = (), *, moves: bool = True
     ) -> None:
         """Leave something alone, for which the targets `serving` are used; `moves` the robot or not."""
-        self._left.append((LeftAlone(line, what, reason), tuple(serving)))
+        self._left.append((UncorrectedTarget(line, what, reason), tuple(serving)))
         for target in serving:
             self._fates[target].serves = True
         if moves:
@@ -136,7 +136,7 @@ class Draft:
     def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
         """Say that targets are handed to something that is not in the file, or not followed."""
         reason = message("left.not_seen")
-        self._left.append((LeftAlone(line, what, reason), tuple(targets)))
+        self._left.append((UncorrectedTarget(line, what, reason), tuple(targets)))
         self.interrupt()
 
     def change(self, line: int, targets: Sequence[int]) -> None:
@@ -199,10 +199,10 @@ class Draft:
                 yield Motion(line, index, use.path, before if use.follows else None, file)
             before = index
 
-    def _all_left_alone(self, own: Sequence[int], index_of: dict[int, int]) -> Iterator[LeftAlone]:
+    def _all_left_alone(self, own: Sequence[int], index_of: dict[int, int]) -> Iterator[UncorrectedTarget]:
         """Yield what is left alone, by line; of the files beside only what uses targets of this one."""
         entries = [
-            (LeftAlone(self._targets[target].line, self._targets[target].name, reason), ())
+            (UncorrectedTarget(self._targets[target].line, self._targets[target].name, reason), ())
             for target in own
             if isinstance(reason := self._reason_against(target), Message)
         ]
@@ -210,7 +210,7 @@ class Draft:
             names = list(dict.fromkeys(self._targets[t].name for t in serving if t in index_of))
             if names or self.source.is_own(entry.line):
                 file, line = self._place(entry.line)
-                yield LeftAlone(line, entry.what, _also_corrected(entry.reason, names), file)
+                yield UncorrectedTarget(line, entry.what, _also_corrected(entry.reason, names), file)
 
     def _place(self, line: int) -> tuple[str | None, int]:
         file, number = self.source.file_and_line(line)

@@ -15,7 +15,7 @@ from enum import StrEnum
 from itertools import accumulate
 from typing import Final, Literal, NoReturn, TypeAlias
 
-from truepose.domain.correction import LeftAlone, place
+from truepose.domain.correction import UncorrectedTarget, place
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import BadValueError, InputFileError, UnreadableFileError
 from truepose.exchange.quantities import limits_of
@@ -176,11 +176,11 @@ class Program:
     data: bytes = field(repr=False)
     targets: tuple[ProgramTarget, ...]
     motions: tuple[Motion, ...]
-    left_alone: tuple[LeftAlone, ...]
+    left_alone: tuple[UncorrectedTarget, ...]
     again: Callable[[bytes], "Program"] | None = field(default=None, repr=False, compare=False)
 
 
-class Meant(StrEnum):
+class TargetConventions(StrEnum):
     """What the targets of a program are given in, beside its own work objects."""
 
     BASE = "base"  # of the robot
@@ -191,7 +191,7 @@ class Meant(StrEnum):
 class ProgramOptions:
     """What whoever has a program corrected says of it beside the file."""
 
-    meant: Meant = Meant.BASE
+    meant: TargetConventions = TargetConventions.BASE
     defined: Mapping[str, Pose] = field(
         default_factory=dict
     )  # tools (in the flange) and work objects that it only names

@@ -26,7 +26,7 @@ from truepose.correction import (
 )
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
-from truepose.domain.correction import LeftAlone
+from truepose.domain.correction import UncorrectedTarget
 from truepose.domain.identification import Model
 from truepose.exchange.programs.correction_request import branch_of_words
 from truepose.exchange.programs.formats import format_of
@@ -44,11 +44,11 @@ from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
     Frame,
-    Meant,
     Pose,
     Program,
     ProgramOptions,
     ProgramTarget,
+    TargetConventions,
     Value,
 )
 from truepose.kinematics.chain import nominal_chain
@@ -68,7 +68,7 @@ class CorrectedProgram:
     corrected: tuple[int, ...]  # indices of the targets of the rows of `found`
     goals: Goals  # of these, in the world
     found: Corrections
-    left_alone: tuple[LeftAlone, ...]  # also targets whose frames the file does not declare
+    left_alone: tuple[UncorrectedTarget, ...]  # also targets whose frames the file does not declare
     cautions: tuple[Message, ...]  # what the predictions do not contain
     data: bytes
 
@@ -131,7 +131,7 @@ def corrected_program(
     reasons |= dict.fromkeys(missed, message("left.not_arriving"))
     kept = np.array([place for place, index in enumerate(rows) if index not in missed], dtype=np.int64)
     left = tuple(
-        LeftAlone(program.targets[index].line, program.targets[index].name, reason)
+        UncorrectedTarget(program.targets[index].line, program.targets[index].name, reason)
         for index, reason in reasons.items()
         if reason is not None
     )
@@ -306,17 +306,19 @@ def _reason_against_frames(target: ProgramTarget) -> Message | None:
     return None
 
 
-def _goals(model: Model, targets: Sequence[ProgramTarget], near_rad: FloatArray, meant: Meant) -> Goals:
+def _goals(
+    model: Model, targets: Sequence[ProgramTarget], near_rad: FloatArray, meant: TargetConventions
+) -> Goals:
     flange = _flanges(model, targets)
     stops = Stops(np.arange(len(targets)), near_rad)
     goals = Goals(stops, np.full(len(targets), FLANGE), flange[:, :3, 3], flange[:, :3, :3])
-    return goals if meant is Meant.WORLD else in_world(model, goals)
+    return goals if meant is TargetConventions.WORLD else in_world(model, goals)
 
 
-def _own_flanges(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> FloatArray:
+def _own_flanges(model: Model, targets: Sequence[ProgramTarget], meant: TargetConventions) -> FloatArray:
     """Return where targets have the controller's flange, in the robot's base, shape (n, 4, 4)."""
     flange = _flanges(model, targets)
-    if meant is Meant.BASE or not targets:
+    if meant is TargetConventions.BASE or not targets:
         return flange
     near = np.full((len(targets), model.robot.n_joints), np.nan)
     return flange_in_base(model, _goals(model, targets, near, meant))

@@ -7,11 +7,11 @@ from pydantic import Field
 
 from truepose.exchange.results.document import (
     Document,
+    FieldSource,
     Integers,
     Quantities,
     Quantity,
     Spoken,
-    Taken,
     in_degrees,
 )
 from truepose.validation.circle_test import CircleTest
@@ -27,8 +27,8 @@ class ValueDocument(Document):
     standard_uncertainty: Quantity
 
 
-def _figure_in_degrees(path: str) -> Taken:
-    return Taken(path, lambda it: Figure(*np.degrees([it.value, it.standard_uncertainty]).tolist()))
+def _figure_in_degrees(path: str) -> FieldSource:
+    return FieldSource(path, lambda it: Figure(*np.degrees([it.value, it.standard_uncertainty]).tolist()))
 
 
 class JointWaveDocument(Document):
@@ -45,10 +45,10 @@ class CircleStopsDocument(Document):
     config: Integers
     angle_deg: Annotated[Quantities, in_degrees("errors.angle_rad")]
     direction: Integers = Field(description="Sign of the joint's last motion, 0 unknown.")
-    radial_mm: Annotated[Quantities, Taken("errors.radial_mm")]
-    axial_mm: Annotated[Quantities, Taken("errors.axial_mm")]
-    tangential_mm: Annotated[Quantities, Taken("errors.tangential_mm")]
-    tangential_uncertainty_mm: Annotated[Quantities, Taken("errors.tangential_uncertainty_mm")]
+    radial_mm: Annotated[Quantities, FieldSource("errors.radial_mm")]
+    axial_mm: Annotated[Quantities, FieldSource("errors.axial_mm")]
+    tangential_mm: Annotated[Quantities, FieldSource("errors.tangential_mm")]
+    tangential_uncertainty_mm: Annotated[Quantities, FieldSource("errors.tangential_uncertainty_mm")]
     angular_deg: Annotated[Quantities, in_degrees("errors.angular_rad")]
 
 
@@ -66,21 +66,21 @@ class CircleDocument(Document):
     )
     radial_range_mm: Quantity
     axial_range_mm: Quantity
-    radius_mm: Annotated[Quantity, Taken("errors.radius_mm")]
+    radius_mm: Annotated[Quantity, FieldSource("errors.radius_mm")]
     zero_deg: Annotated[Quantity, in_degrees("errors.zero_rad")]
-    noise_chance: Annotated[Quantity, Taken("curve.noise_chance")] = Field(
+    noise_chance: Annotated[Quantity, FieldSource("curve.noise_chance")] = Field(
         description="That scatter alone shows errors as large."
     )
-    noise_alone: Annotated[bool, Taken("is_noise")]
-    gain: Annotated[ValueDocument | None, Taken("curve.gain")] = Field(
+    noise_alone: Annotated[bool, FieldSource("is_noise")]
+    gain: Annotated[ValueDocument | None, FieldSource("curve.gain")] = Field(
         description="k1 - 1; null where the stops are too few."
     )
-    waves: Annotated[list[JointWaveDocument], Taken("curve.waves")]
+    waves: Annotated[list[JointWaveDocument], FieldSource("curve.waves")]
     left_deg: Annotated[Quantity, in_degrees("curve.left_rad")] = Field(
         description="RMS of what neither gain, waves nor backlash follow."
     )
     set_aside: list[int] = Field(description="Configurations whose readings lie far off plane or circle.")
-    stops: Annotated[CircleStopsDocument, Taken("")]
+    stops: Annotated[CircleStopsDocument, FieldSource("")]
 
 
 class WithheldCircleDocument(Document):
@@ -126,19 +126,19 @@ class SphereErrorsDocument(Document):
     """Errors of one model about one centre."""
 
     model: str = Field(description="`nominal`, or the name that a model was given.")
-    centre: Annotated[str, Taken("errors.centre.is_fitted", ("taught", "best").__getitem__)] = Field(
+    centre: Annotated[str, FieldSource("errors.centre.is_fitted", ("taught", "best").__getitem__)] = Field(
         description="`taught`: where the arm held the ball; `best`: where the lengths fit."
     )
-    centre_mm: Annotated[Quantities, Taken("errors.centre.place_mm")] = Field(
+    centre_mm: Annotated[Quantities, FieldSource("errors.centre.place_mm")] = Field(
         description="In the world of the model."
     )
-    noise_chance: Annotated[Quantity, Taken("errors.noise_chance")] = Field(
+    noise_chance: Annotated[Quantity, FieldSource("errors.noise_chance")] = Field(
         description="That scatter alone shows errors as large."
     )
-    noise_alone: Annotated[bool, Taken("is_noise")]
+    noise_alone: Annotated[bool, FieldSource("is_noise")]
     figures: list[SphereFiguresDocument]
-    error_mm: Annotated[Quantities, Taken("errors.errors_mm")]
-    standard_uncertainty_mm: Annotated[Quantities, Taken("errors.standard_uncertainty_mm")]
+    error_mm: Annotated[Quantities, FieldSource("errors.errors_mm")]
+    standard_uncertainty_mm: Annotated[Quantities, FieldSource("errors.standard_uncertainty_mm")]
 
     @classmethod
     def of_model(cls, one: SphereOfModel, sphere: Sphere) -> Self:

@@ -8,16 +8,16 @@ from typing import Annotated
 from pydantic import Field
 
 from truepose.correction.proof import Proof
-from truepose.domain.correction import CorrectionTotals, LeftAlone
+from truepose.domain.correction import CorrectionTotals, UncorrectedTarget
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
     Document,
+    FieldSource,
     Integers,
     Quantity,
     Rows,
     Spoken,
     StatisticsDocument,
-    Taken,
     in_degrees,
 )
 
@@ -25,8 +25,8 @@ from truepose.exchange.results.document import (
 class FailedTarget(Document):
     """A target that was not corrected, and why."""
 
-    target: Annotated[str, Taken("", itemgetter(0))]
-    status: Annotated[str, Taken("", itemgetter(1))] = Field(examples=["out_of_reach"])
+    target: Annotated[str, FieldSource("", itemgetter(0))]
+    status: Annotated[str, FieldSource("", itemgetter(1))] = Field(examples=["out_of_reach"])
 
 
 class LeftAloneDocument(Document):
@@ -38,21 +38,25 @@ class LeftAloneDocument(Document):
     file: str | None = Field(description="Null: of the program itself.")
 
 
-def _where_known(name: str, convert: Callable[[float], float]) -> Taken:
+def _where_known(name: str, convert: Callable[[float], float]) -> FieldSource:
     """Return what is known of a measured zone where there is one."""
-    return Taken("", lambda totals: convert(getattr(totals, name)) if totals.zone_known else None)
+    return FieldSource("", lambda totals: convert(getattr(totals, name)) if totals.zone_known else None)
 
 
 class CorrectionDocument(Document):
     """Counts and extremes of a table of targets; errors are the model's, uncertainties those of the robot."""
 
     targets: int
-    corrected: Annotated[int, Taken("solved")]
+    corrected: Annotated[int, FieldSource("solved")]
     statuses: dict[str, int] = Field(examples=[{"ok": 998, "out_of_reach": 2}])
-    not_corrected: Annotated[list[FailedTarget], Taken("failed")] = Field(description="The first hundred.")
+    not_corrected: Annotated[list[FailedTarget], FieldSource("failed")] = Field(
+        description="The first hundred."
+    )
     largest_error_mm: Quantity
-    mean_u_mm: Annotated[Quantity, Taken("mean_uncertainty_mm")] = Field(description="Standard, per axis.")
-    largest_u_mm: Annotated[Quantity, Taken("largest_uncertainty_mm")]
+    mean_u_mm: Annotated[Quantity, FieldSource("mean_uncertainty_mm")] = Field(
+        description="Standard, per axis."
+    )
+    largest_u_mm: Annotated[Quantity, FieldSource("largest_uncertainty_mm")]
     far_moved: int = Field(description="Corrected ones at which a joint turns by more than 5 deg.")
     largest_move_deg: Annotated[Quantity, in_degrees("largest_move_rad")] = Field(
         description="Of a joint, from the controller's own answer."
@@ -71,12 +75,16 @@ class CorrectionDocument(Document):
     )
 
 
-def correction_document(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()) -> dict[str, Json]:
+def correction_document(
+    totals: CorrectionTotals, left_alone: Sequence[UncorrectedTarget] = ()
+) -> dict[str, Json]:
     """Return what `truepose correct --json` prints."""
     return correction_of(totals, left_alone).printed()
 
 
-def correction_of(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()) -> CorrectionDocument:
+def correction_of(
+    totals: CorrectionTotals, left_alone: Sequence[UncorrectedTarget] = ()
+) -> CorrectionDocument:
     """Return the document of a correction."""
     return CorrectionDocument.of(totals, left_alone=list(left_alone))
 
@@ -94,7 +102,7 @@ class ProofErrorsDocument(Document):
 class ProofDocument(Document):
     """The same targets without and with correction, as they were measured."""
 
-    targets: Annotated[int, Taken("before.n")] = Field(examples=[30])
+    targets: Annotated[int, FieldSource("before.n")] = Field(examples=[30])
     before: StatisticsDocument = Field(
         description="Without correction: from the target to where the nest was read."
     )
@@ -105,7 +113,7 @@ class ProofDocument(Document):
     after_relative: StatisticsDocument | None
     gain: Quantity = Field(description="Mean error without over mean error with correction.", examples=[12.4])
     gain_interval_95: list[Quantity] = Field(min_length=2, max_length=2, examples=[[10.1, 15.2]])
-    promised_mean_mm: Annotated[Quantity, Taken("promised_mm")] = Field(
+    promised_mean_mm: Annotated[Quantity, FieldSource("promised_mm")] = Field(
         description="Mean error that model, arm and readings let expect."
     )
     keeps_promise: bool

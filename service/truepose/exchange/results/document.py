@@ -1,7 +1,7 @@
 """What documents of results and replies share: fields read off values, null, statistics of errors.
 
-A document is its own description: a field is called as in the value that it is made of, or says with `Taken`
-where else it stands there, and in which unit the document has it.
+A document is its own description: a field is called as in the value that it is made of, or says with
+`FieldSource` where else it stands there, and in which unit the document has it.
 """
 
 import functools
@@ -21,7 +21,7 @@ from truepose.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True)
-class Taken:
+class FieldSource:
     """Where a value has what a field says, by names with dots between, and what is made of it there."""
 
     path: str
@@ -33,22 +33,22 @@ class Taken:
         return found if found is None or self.convert is None else self.convert(found)
 
 
-def in_degrees(path: str) -> Taken:
+def in_degrees(path: str) -> FieldSource:
     """Return where an angle in rad, or several of them, stand that a document has in deg."""
-    return Taken(path, np.degrees)
+    return FieldSource(path, np.degrees)
 
 
-def null_if_empty(path: str) -> Taken:
+def null_if_empty(path: str) -> FieldSource:
     """Return where a text, or a number, stands that nobody said where it is empty, or 0."""
-    return Taken(path, lambda found: found or None)
+    return FieldSource(path, lambda found: found or None)
 
 
-def in_file_unit(name: str) -> Taken:
+def in_file_unit(name: str) -> FieldSource:
     """Return where a quantity stands whose unit is said beside it; in the unit that files have for that."""
-    return Taken("", lambda value: np.multiply(getattr(value, name), file_factor(value.unit)))
+    return FieldSource("", lambda value: np.multiply(getattr(value, name), file_factor(value.unit)))
 
 
-UNIT: Final = Taken("unit", file_unit)
+UNIT: Final = FieldSource("unit", file_unit)
 
 
 class Outgoing(BaseModel):
@@ -77,9 +77,11 @@ class Outgoing(BaseModel):
 
 
 @functools.cache
-def _sources(kind: type[BaseModel]) -> tuple[tuple[str, Taken], ...]:
+def _sources(kind: type[BaseModel]) -> tuple[tuple[str, FieldSource], ...]:
     fields = kind.model_fields.items()
-    return tuple((name, one) for name, field in fields for one in field.metadata if isinstance(one, Taken))
+    return tuple(
+        (name, one) for name, field in fields for one in field.metadata if isinstance(one, FieldSource)
+    )
 
 
 class AmbiguousNameError(Exception):

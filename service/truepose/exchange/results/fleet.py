@@ -10,7 +10,7 @@ from pydantic import Field
 
 from truepose.domain.robot import Robot
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.exchange.results.document import Document, Quantity, Spoken, Taken, null_if_empty
+from truepose.exchange.results.document import Document, FieldSource, Quantity, Spoken, null_if_empty
 from truepose.fleet.changes import Account, RealChange
 from truepose.fleet.interim_check import CauseGrowth
 from truepose.fleet.minimum_detectable_change import least_of_instruments, least_of_robots
@@ -53,25 +53,27 @@ class CauseDocument(Document):
 class RivalDocument(Document):
     """What explains a change as well, at odds of no worse than twenty to one."""
 
-    scope: Annotated[Scope, Taken("change.scope")]
-    what: Annotated[str, Taken("change.of")] = Field(
+    scope: Annotated[Scope, FieldSource("change.scope")]
+    what: Annotated[str, FieldSource("change.of")] = Field(
         description="Serial number of a robot or an instrument; empty: the type."
     )
-    cause: Annotated[CauseDocument, Taken("change.cause")]
-    kind: Annotated[Kind, Taken("change.kind")]
-    since: Annotated[date, Taken("change.since", _date)]
-    sentence: Annotated[Spoken, Taken("change", change_said)]
+    cause: Annotated[CauseDocument, FieldSource("change.cause")]
+    kind: Annotated[Kind, FieldSource("change.kind")]
+    since: Annotated[date, FieldSource("change.since", _date)]
+    sentence: Annotated[Spoken, FieldSource("change", change_said)]
 
 
 class PassingDocument(Document):
     """When a limit is passed if a change goes on as it did; null: not in the reach of a calendar."""
 
     limit_mm: float
-    day: Annotated[str | None, Taken("day", day_of)] = Field(
+    day: Annotated[str | None, FieldSource("day", day_of)] = Field(
         description="Half of the probability is before it."
     )
-    earliest: Annotated[str | None, Taken("earliest", day_of)] = Field(description="5 %.")
-    latest: Annotated[str | None, Taken("latest", day_of)] = Field(description="95 %; null: perhaps never.")
+    earliest: Annotated[str | None, FieldSource("earliest", day_of)] = Field(description="5 %.")
+    latest: Annotated[str | None, FieldSource("latest", day_of)] = Field(
+        description="95 %; null: perhaps never."
+    )
     sentence: Spoken
 
 
@@ -87,8 +89,8 @@ class ChangeDocument(RivalDocument):
     """A change that is beyond chance."""
 
     size_mm: Quantity = Field(description="Root mean square of what it moves at the measured configurations.")
-    standard_uncertainty_mm: Annotated[Quantity, Taken("size_u_mm")]
-    chance: Annotated[Quantity, Taken("trial.chance")] = Field(
+    standard_uncertainty_mm: Annotated[Quantity, FieldSource("size_u_mm")]
+    chance: Annotated[Quantity, FieldSource("trial.chance")] = Field(
         description="Of so much where nothing changes, of this one try."
     )
     rivals: list[RivalDocument]
@@ -117,7 +119,7 @@ class DueDocument(Document):
 
     robot: str
     why: Why
-    last_measured_on: Annotated[date, Taken("last_day", _date)]
+    last_measured_on: Annotated[date, FieldSource("last_day", _date)]
     instrument: Annotated[str | None, null_if_empty("instrument")] = Field(
         description="That tells its change from a rival; null: any."
     )
@@ -139,10 +141,10 @@ class LeastDocument(Document):
     """From which size on a cause that grows from the first campaign on would have been shown with 95 %."""
 
     cause: CauseDocument
-    size_mm: Annotated[Quantity, Taken("size_mm", np.max)] = Field(
+    size_mm: Annotated[Quantity, FieldSource("size_mm", np.max)] = Field(
         description="In every robot measured twice; null: in one at no size."
     )
-    best_mm: Annotated[Quantity, Taken("size_mm", np.min)] = Field(
+    best_mm: Annotated[Quantity, FieldSource("size_mm", np.min)] = Field(
         description="In the robot in which it shows best."
     )
 
@@ -159,24 +161,24 @@ class LeastDriftDocument(Document):
 class NewRobotDocument(Document):
     """What a further robot of the type needs, before it is measured: mean errors over the work volume."""
 
-    configurations: Annotated[int, Taken("pooled.n")]
-    mean_mm: Annotated[Quantity, Taken("pooled.mean_mm")] = Field(
+    configurations: Annotated[int, FieldSource("pooled.n")]
+    mean_mm: Annotated[Quantity, FieldSource("pooled.mean_mm")] = Field(
         description="Promised with what the type says."
     )
-    interval_90_mm: Annotated[list[Quantity], Taken("pooled.interval_90_mm")] = Field(
+    interval_90_mm: Annotated[list[Quantity], FieldSource("pooled.interval_90_mm")] = Field(
         description="Nine of ten robots have their mean within."
     )
-    without_type_mm: Annotated[Quantity, Taken("same_mm")] = Field(
+    without_type_mm: Annotated[Quantity, FieldSource("same_mm")] = Field(
         description="As many of the same parameters, without the type."
     )
-    needed_without_type: Annotated[int | None, Taken("needed")] = Field(
+    needed_without_type: Annotated[int | None, FieldSource("needed")] = Field(
         description="For the same mean; null: more than 100."
     )
-    usual_configurations: Annotated[int, Taken("alone.n")]
-    usual_mm: Annotated[Quantity, Taken("alone.mean_mm")] = Field(
+    usual_configurations: Annotated[int, FieldSource("alone.n")]
+    usual_mm: Annotated[Quantity, FieldSource("alone.mean_mm")] = Field(
         description="Promised by the usual effects of a robot of no known type."
     )
-    sentence: Annotated[Spoken, Taken("", new_robot_said)]
+    sentence: Annotated[Spoken, FieldSource("", new_robot_said)]
 
 
 class GrownDocument(Document):
@@ -184,14 +186,14 @@ class GrownDocument(Document):
 
     cause: CauseDocument
     size_mm: Quantity
-    standard_uncertainty_mm: Annotated[Quantity, Taken("u_mm")] = Field(
+    standard_uncertainty_mm: Annotated[Quantity, FieldSource("u_mm")] = Field(
         description="Null: the check does not see it."
     )
     chance: Quantity = Field(description="Of so much where it has not grown, of this one cause.")
-    told: Annotated[bool, Taken("is_told")] = Field(
+    told: Annotated[bool, FieldSource("is_told")] = Field(
         description="Beyond chance, at a level of 5 % over all causes together."
     )
-    would_show_mm: Annotated[Quantity, Taken("least_mm")] = Field(
+    would_show_mm: Annotated[Quantity, FieldSource("least_mm")] = Field(
         description="From which size on, with 95 %; null: at none."
     )
 

@@ -14,11 +14,11 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
     UNIT,
     Document,
+    FieldSource,
     PairDocument,
     Quantities,
     Quantity,
     Spoken,
-    Taken,
     TurnPairDocument,
     in_file_unit,
 )
@@ -161,7 +161,7 @@ class ResamplingDocument(Document):
     """What `truepose resample --json` prints."""
 
     robot: str
-    by: Annotated[Way, Taken("way")]
+    by: Annotated[Way, FieldSource("way")]
     seed: int
     draws: int
     not_converged: int

@@ -21,14 +21,14 @@ class PromiseDocument(Document):
     visit_mean_mm: Quantity = Field(description="Mean of single visits: with the arm's own scatter.")
 
 
-class LeftOpen(Document):
+class UndeterminedParameters(Document):
     """Parameters that the configurations cannot determine, and why."""
 
     parameters: list[str]
     reason: Spoken
 
 
-class Assumed(Document):
+class PlanAssumptions(Document):
     """What the promise takes for granted; standard deviations per axis."""
 
     reading_mm: Quantity
@@ -60,10 +60,10 @@ class PlanDocument(Document):
     measured: int
     advised: int = Field(description="The knee of the curve.")
     predicted: list[PromiseDocument]
-    open: list[LeftOpen]
+    open: list[UndeterminedParameters]
     observability: dict[str, float] = Field(examples=[{"O1": 64.8}])
     minutes: Quantity
-    assumptions: Assumed
+    assumptions: PlanAssumptions
     remarks: list[Spoken]
 
 
@@ -95,9 +95,11 @@ def _instrument(plan: PromisedPlan) -> str:
     return "tracker" if plan.poses is None else "ballbar"
 
 
-def _assumed(assumptions: Assumptions) -> Assumed:
+def _assumed(assumptions: Assumptions) -> PlanAssumptions:
     lack = assumptions.discrepancy
-    return Assumed.of(assumptions, discrepancy_mm=lack.per_axis_mm, discrepancy_known_to=lack.known_to)
+    return PlanAssumptions.of(
+        assumptions, discrepancy_mm=lack.per_axis_mm, discrepancy_known_to=lack.known_to
+    )
 
 
 def _ballbar(poses: BallbarPoses) -> dict[str, object]:

@@ -11,12 +11,12 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
     UNIT,
     Document,
+    FieldSource,
     PairDocument,
     Quantities,
     Quantity,
     Spoken,
     StatisticsDocument,
-    Taken,
     TurnPairDocument,
     in_file_unit,
 )
@@ -50,18 +50,18 @@ class DistanceErrorsDocument(Document):
 class ZoneDocument(Document):
     """Where the readings lay that made the model; not `stated`: that judge it."""
 
-    x_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(0))]
-    y_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(1))]
-    z_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(2))]
-    radius_mm: Annotated[Quantity, Taken("zone_radius_mm")]
-    stated: Annotated[bool, Taken("zone_stated")]
+    x_mm: Annotated[Quantity, FieldSource("zone_centre_mm", itemgetter(0))]
+    y_mm: Annotated[Quantity, FieldSource("zone_centre_mm", itemgetter(1))]
+    z_mm: Annotated[Quantity, FieldSource("zone_centre_mm", itemgetter(2))]
+    radius_mm: Annotated[Quantity, FieldSource("zone_radius_mm")]
+    stated: Annotated[bool, FieldSource("zone_stated")]
 
 
 class _PartDocument(PairDocument):
     """Errors of some of the readings."""
 
-    nominal: Annotated[StatisticsDocument, Taken("errors.nominal")]
-    identified: Annotated[StatisticsDocument, Taken("errors.identified")]
+    nominal: Annotated[StatisticsDocument, FieldSource("errors.nominal")]
+    identified: Annotated[StatisticsDocument, FieldSource("errors.identified")]
 
 
 class ShellDocument(_PartDocument):
@@ -80,7 +80,7 @@ class BranchDocument(_PartDocument):
 class PlacesDocument(Document):
     """Where errors are large; shells and branches without a reading are left out."""
 
-    zone: Annotated[ZoneDocument, Taken("")]
+    zone: Annotated[ZoneDocument, FieldSource("")]
     from_zone: list[ShellDocument] = Field(description="By distance from the middle of the zone.")
     from_axis: list[ShellDocument] = Field(description="By distance from the line of axis 1.")
     branches: list[BranchDocument] = Field(
@@ -217,13 +217,13 @@ class PoseTestDocument(Document):
     cycles: int
     nest: int = Field(description="Whose positions were taken.")
     commanded: list[CommandedPoseDocument] = Field(description="As the identified model puts them.")
-    figures: Annotated[list[FigureDocument], Taken("", lambda test: list(_figures(test)))]
-    withheld: Annotated[list[WithheldDocument], Taken("identified.withheld")]
+    figures: Annotated[list[FigureDocument], FieldSource("", lambda test: list(_figures(test)))]
+    withheld: Annotated[list[WithheldDocument], FieldSource("identified.withheld")]
     work_space: PairDocument | None = Field(
         description="Errors at configurations that are no poses; null where none was measured."
     )
     claimed_mm: Quantity = Field(description="Mean error that the model itself lets expect of such.")
-    sentence: Annotated[Spoken, Taken("", pose_test_caution)]
+    sentence: Annotated[Spoken, FieldSource("", pose_test_caution)]
     drift: DriftDocument | None = Field(description="Group by group; null where the test is another one.")
 
 

@@ -32,7 +32,7 @@ from truepose.domain.robot import FixedNest, WorldRegistration
 from truepose.effects.frames.tool_certificate import moves
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.solver import covariance_of, posterior_covariance, slope
-from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock
 from truepose.kinematics.frames import cross_matrix
 
 _LEAVE_ONE_OUT = 40  # up to so many configurations one is left out at a time, beyond it a tenth
@@ -136,7 +136,7 @@ def _normals_of_others(parts: list[FloatArray]) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Considered:
+class ConsideredCovariances:
     """Covariances of the parameters, term by term; internal units.
 
     Attributes
@@ -159,7 +159,7 @@ class Considered:
         return self.readings + self.nests + self.registration
 
 
-def considered(campaign: Campaign, fit: RobustFit) -> Considered:
+def considered(campaign: Campaign, fit: RobustFit) -> ConsideredCovariances:
     """Carry the certified uncertainties into the covariance of the parameters.
 
     Parameters
@@ -171,7 +171,7 @@ def considered(campaign: Campaign, fit: RobustFit) -> Considered:
 
     Returns
     -------
-    Considered
+    ConsideredCovariances
         Three terms; the last two are zero of lengths, whose certified nests are parameters and which know no
         world.
 
@@ -185,9 +185,9 @@ def considered(campaign: Campaign, fit: RobustFit) -> Considered:
     nests = gain([_nest_sensitivity(held, block, result) for block, result in each])
     registration = world_registration(campaign)
     if registration is None:
-        return Considered(covariance, nests @ nests.T, np.zeros_like(covariance))
+        return ConsideredCovariances(covariance, nests @ nests.T, np.zeros_like(covariance))
     frame = gain([block.moved_by_world(result) for block, result in each])
-    return Considered(covariance, nests @ nests.T, frame @ registration.covariance @ frame.T)
+    return ConsideredCovariances(covariance, nests @ nests.T, frame @ registration.covariance @ frame.T)
 
 
 class _Gain:
@@ -219,7 +219,7 @@ def _held_nests(campaign: Campaign, fit: RobustFit) -> dict[int, float]:
     }
 
 
-def _nest_sensitivity(held: dict[int, float], block: Block, result: BlockResult) -> FloatArray:
+def _nest_sensitivity(held: dict[int, float], block: ObservationBlock, result: BlockResult) -> FloatArray:
     """Return how predictions move per standard uncertainty of each certified coordinate, (S, n, d)."""
     # Per standard uncertainty, so that the product of gains is their covariance.
     moved = [u_mm * block.moved_by_nest(result, number) for number, u_mm in held.items()]

@@ -32,7 +32,7 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.identification import Parameter, Shortfall
+from truepose.domain.identification import ModelInadequacy, Parameter
 from truepose.domain.singular_covariance import whitening_root
 from truepose.effects.ports import Setting
 from truepose.effects.registry import effect_named, unmodelled_in
@@ -57,7 +57,7 @@ class _Found(NamedTuple):
     told: FloatArray  # (c,) how much of each the readings tell, 0 to 1
 
 
-def shortfall(fit: RobustFit, setting: Setting) -> Shortfall | None:
+def shortfall(fit: RobustFit, setting: Setting) -> ModelInadequacy | None:
     """Return what a model of positions lacks; None of other readings.
 
     Parameters
@@ -69,7 +69,7 @@ def shortfall(fit: RobustFit, setting: Setting) -> Shortfall | None:
 
     Returns
     -------
-    Shortfall or None
+    ModelInadequacy or None
         Functions in their internal units with their covariance, and the rest [mm] per axis. Without
         functions where the readings show none; None where lengths were read.
     """
@@ -81,12 +81,12 @@ def shortfall(fit: RobustFit, setting: Setting) -> Shortfall | None:
     return _told(fit, tried.taken(kept), variance[kept], noise)
 
 
-def typical_mm(found: Shortfall, fit: RobustFit) -> float:
+def typical_mm(found: ModelInadequacy, fit: RobustFit) -> float:
     """Return the root mean square per axis of what a model lacks at its own readings [mm].
 
     Parameters
     ----------
-    found : Shortfall
+    found : ModelInadequacy
         Of that fit.
     fit : RobustFit
     """
@@ -200,14 +200,14 @@ class _Tried:
         return np.flatnonzero((told > _TOLD * np.bincount(self.group))[self.group])
 
 
-def _told(fit: RobustFit, tried: _Tried, variance: FloatArray, noise: float) -> Shortfall:
+def _told(fit: RobustFit, tried: _Tried, variance: FloatArray, noise: float) -> ModelInadequacy:
     found = tried.found(variance, noise)
     believed = np.array([one.spec.prior_width for one in tried.functions])
     # Back from units of what is believed to those of each function.
     covariance = found.covariance * np.outer(believed, believed)
     means, spreads = (found.mean * believed).tolist(), np.sqrt(np.diag(covariance)).tolist()
     widths = (np.sqrt(variance) * believed).tolist()
-    return Shortfall(
+    return ModelInadequacy(
         functions=tuple(
             Parameter(spec.name, effect, mean, spec.unit, spread, width)
             for (effect, spec), mean, spread, width in zip(

@@ -44,8 +44,8 @@ from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import (
     FALSE_ALARM,
-    Block,
     BlockResult,
+    ObservationBlock,
     StackedBlocks,
     linearise_blocks,
     reweighed,
@@ -133,7 +133,7 @@ class RobustFit:
     """
 
     structure: Structure
-    blocks: tuple[Block, ...]
+    blocks: tuple[ObservationBlock, ...]
     solution: Solution[StackedBlocks]
     gross: tuple[BoolArray, ...]
     chi2_per_dof: float
@@ -154,7 +154,9 @@ class RobustFit:
         return self.solution.final.results
 
 
-def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> Solution[StackedBlocks]:
+def fit(
+    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray
+) -> Solution[StackedBlocks]:
     """Fit with the weights as they are.
 
     Parameters
@@ -173,7 +175,7 @@ def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> S
 
 
 def _refit(
-    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, point: StackedBlocks
+    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray, point: StackedBlocks
 ) -> Solution[StackedBlocks]:
     """Fit from where the readings were predicted already; they weigh otherwise now."""
     return solve(
@@ -185,7 +187,7 @@ def _refit(
     )
 
 
-def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+def robust_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray) -> RobustFit:
     """Fit, decide about gross readings and discrepancy, and fit again until nothing changes.
 
     Parameters
@@ -219,7 +221,7 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
-def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+def counted_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray) -> RobustFit:
     """Fit with every reading counting in full: what moves many at once makes none of them gross.
 
     A discrepancy is still added. Parameters and start as of `robust_fit`.
@@ -232,7 +234,7 @@ def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArr
 
 
 def settled(
-    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
+    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
 ) -> RobustFit:
     """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again.
 
@@ -244,10 +246,10 @@ def settled(
 
 def _hard_rounds(
     structure: Structure,
-    blocks: tuple[Block, ...],
+    blocks: tuple[ObservationBlock, ...],
     solution: Solution[StackedBlocks],
     rounds: int = _HARD_ROUNDS,
-) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[StackedBlocks]]:
+) -> tuple[tuple[ObservationBlock, ...], tuple[BoolArray, ...], Solution[StackedBlocks]]:
     gross: tuple[BoolArray, ...] = ()
     seen: set[bytes] = set()
     for _ in range(rounds):
@@ -271,8 +273,8 @@ def _hard_rounds(
 
 
 def _soft_rounds(
-    structure: Structure, blocks: tuple[Block, ...], start: FloatArray
-) -> tuple[Structure, tuple[Block, ...], Solution[StackedBlocks]]:
+    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray
+) -> tuple[Structure, tuple[ObservationBlock, ...], Solution[StackedBlocks]]:
     stated, typical = structure, np.inf
     held = frozenset[str]().union(*(block.held() for block in blocks))
     values, point = start, linearise_blocks(structure, blocks, start, None)
@@ -320,7 +322,7 @@ def _widened(
     return replace(stated, specs=specs)
 
 
-def _softly(block: Block, result: BlockResult) -> Block:
+def _softly(block: ObservationBlock, result: BlockResult) -> ObservationBlock:
     length = np.linalg.norm(result.residual, axis=1)
     typical = float(np.median(length) / np.sqrt(chi2_median(result.residual.shape[1])))
     stated = block.stated_sigma()
@@ -332,7 +334,9 @@ def _softly(block: Block, result: BlockResult) -> Block:
     return block.weighted(weights, excess)
 
 
-def _judged(block: Block, result: BlockResult, covariance: FloatArray) -> tuple[BoolArray, FloatArray]:
+def _judged(
+    block: ObservationBlock, result: BlockResult, covariance: FloatArray
+) -> tuple[BoolArray, FloatArray]:
     """Flag gross readings and weigh the others, against a scale that they cannot move: the median.
 
     Where the stated noise explains the data, a reading counts in full or not at all. Where the model
@@ -351,7 +355,7 @@ def _judged(block: Block, result: BlockResult, covariance: FloatArray) -> tuple[
     return gross, np.clip(_TAPER * (1.0 - squared / limit), 0.0, 1.0)
 
 
-def _foretold(block: Block, result: BlockResult, covariance: FloatArray) -> FloatArray:
+def _foretold(block: ObservationBlock, result: BlockResult, covariance: FloatArray) -> FloatArray:
     """Return how well readings that hardly count are foretold by the others, variance, shape (n,); else 0.
 
     They are off by that as well: with hardly more readings than parameters, one that was once left out
@@ -364,14 +368,16 @@ def _foretold(block: Block, result: BlockResult, covariance: FloatArray) -> Floa
     return variance
 
 
-def _with_discrepancy(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> tuple[Block, ...]:
+def _with_discrepancy(
+    blocks: tuple[ObservationBlock, ...], solution: Solution[StackedBlocks]
+) -> tuple[ObservationBlock, ...]:
     return tuple(
         block.weighted(block.weights, _discrepancy(block, result, solution))
         for block, result in zip(blocks, solution.final.results, strict=True)
     )
 
 
-def _discrepancy(block: Block, result: BlockResult, solution: Solution[StackedBlocks]) -> float:
+def _discrepancy(block: ObservationBlock, result: BlockResult, solution: Solution[StackedBlocks]) -> float:
     own = block.own_discrepancy()
     if own is not None:
         return own
@@ -392,7 +398,9 @@ def _discrepancy(block: Block, result: BlockResult, solution: Solution[StackedBl
     return min(mean, _by_median(block, result, dof, (smallest, largest)))
 
 
-def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[float, float]) -> float:
+def _by_median(
+    block: ObservationBlock, result: BlockResult, dof: float, bounds: tuple[float, float]
+) -> float:
     """Discrepancy that brings the median squared residual of a stop to its place: blind to heavy tails.
 
     Of whitened residuals: what the readings of one stop share is no reason to doubt each of them.
@@ -416,12 +424,12 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
     return bounds[1] if excess(bounds[1]) >= 0.0 else crossing(excess, *bounds)
 
 
-def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
+def degrees_of_freedom(block: ObservationBlock, result: BlockResult, covariance: FloatArray) -> float:
     """Return the readings kept, less what the parameters absorb of them: the trace of the leverage.
 
     Parameters
     ----------
-    block : Block
+    block : ObservationBlock
     result : BlockResult
         At the solution, with n readings of d components.
     covariance : ndarray, shape (P, P)
@@ -436,7 +444,7 @@ def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray
     return float(max(kept - absorbed(result.white_jacobian, covariance), 1.0))
 
 
-def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> float:
+def _stated_chi2(blocks: tuple[ObservationBlock, ...], solution: Solution[StackedBlocks]) -> float:
     total, degrees = 0.0, 0.0
     for block, result in zip(blocks, solution.final.results, strict=True):
         if block.stated_sigma() == 0.0:

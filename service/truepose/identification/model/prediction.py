@@ -21,7 +21,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops, told_moves
-from truepose.domain.identification import Model, Parameter, Shortfall
+from truepose.domain.identification import Model, ModelInadequacy, Parameter
 from truepose.effects.ports import ParameterSpec, PortKind, Rows
 from truepose.effects.registry import effect_named
 from truepose.identification.model.derivatives import (
@@ -111,12 +111,12 @@ def lacking_variance(model: Model, state: State, jacobian: FloatArray) -> FloatA
     return shortfall_variance(model.shortfall, state, jacobian)
 
 
-def shortfall_variance(short: Shortfall, state: State, jacobian: FloatArray) -> FloatArray:
+def shortfall_variance(short: ModelInadequacy, state: State, jacobian: FloatArray) -> FloatArray:
     """Return the variance per axis of a shortfall, mean of the three.
 
     Parameters
     ----------
-    short : Shortfall
+    short : ModelInadequacy
         c functions, and the rest.
     state : State
         At n targets.

@@ -222,7 +222,7 @@ class BlockResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Block(Table, ABC):
+class ObservationBlock(Table, ABC):
     """Readings of one kind: n of d components each.
 
     `table` is where the readings stand in the campaign. What the arm has no part in (`of_arm`), no model of
@@ -341,7 +341,7 @@ class Block(Table, ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class IndependentReadings(Block):
+class IndependentReadings(ObservationBlock):
     """What blocks have in common whose readings share nothing: each weighs by its own variance."""
 
     uncertainty: FloatArray  # (n,) stated, per component [mm or rad]
@@ -403,7 +403,10 @@ class StackedBlocks:
 
 
 def linearise_blocks(
-    structure: Structure, blocks: tuple[Block, ...], values: FloatArray, previous: StackedBlocks | None
+    structure: Structure,
+    blocks: tuple[ObservationBlock, ...],
+    values: FloatArray,
+    previous: StackedBlocks | None,
 ) -> StackedBlocks:
     """Stack the whitened residuals and derivatives of all blocks.
 
@@ -422,7 +425,7 @@ def linearise_blocks(
     )
 
 
-def reweighed(blocks: tuple[Block, ...], point: StackedBlocks) -> StackedBlocks:
+def reweighed(blocks: tuple[ObservationBlock, ...], point: StackedBlocks) -> StackedBlocks:
     """Return a point with its blocks as they weigh now, their predictions unchanged."""
     # Weights change no prediction; a fit linearises half as often for it.
     return _stacked(

@@ -23,7 +23,7 @@ from truepose.domain.campaign import Stops
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block, BlockResult, Whitener
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock, Whitener
 
 QUANTITY = "belief"
 _TAUGHT: Final = 0.01  # share of a direction's variance that readings took away; less tells nothing
@@ -48,7 +48,7 @@ class Unlikeness(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BeliefBlock(Block):
+class BeliefBlock(ObservationBlock):
     """Sums of parameters and what they are believed to be; none is ever gross, and each counts in full.
 
     Attributes
@@ -78,7 +78,7 @@ class BeliefBlock(Block):
     believed: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives; parameters as of `Block.result`.
+        """Return residuals and derivatives; parameters as of `ObservationBlock.result`.
 
         Returns
         -------

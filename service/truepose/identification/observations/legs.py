@@ -28,7 +28,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.identification.model.derivatives import excess_mm, foot_gradient, length_jacobian, moved_feet
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import LEG_OFFSET, Structure, anchor_places, first_anchor
-from truepose.identification.observations.blocks import Block, BlockResult, Whitener, whitener
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock, Whitener, whitener
 from truepose.kinematics.chain import theta_gradient
 
 # Turns a discrepancy in mm, which is what other readings have, into an angle.
@@ -39,7 +39,7 @@ _OWN_SHARE = 0.6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LengthBlock(Block):
+class LengthBlock(ObservationBlock):
     """Lengths; the discrepancy [mm] is at an arm's length from the joints.
 
     Certified tool nests are parameters too, and what is read against has no known place in the world:
@@ -131,7 +131,7 @@ class LegBlock(LengthBlock):
     length_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives, parameters as of `Block.result`.
+        """Return residuals and derivatives, parameters as of `ObservationBlock.result`.
 
         Returns
         -------

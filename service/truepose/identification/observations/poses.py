@@ -19,9 +19,9 @@ from truepose.identification.model.derivatives import position_jacobian, rotatio
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import (
-    Block,
     BlockResult,
     IndependentReadings,
+    ObservationBlock,
     Whitener,
     equal_variance,
     of_independent,
@@ -31,7 +31,7 @@ from truepose.kinematics.frames import cross_matrix, rotation_from_quaternion, v
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PositionBlock(Block):
+class PositionBlock(ObservationBlock):
     """Measured nest positions.
 
     Attributes
@@ -57,7 +57,7 @@ class PositionBlock(Block):
     ready: Whitener | None = None
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives, parameters as of `Block.result`.
+        """Return residuals and derivatives, parameters as of `ObservationBlock.result`.
 
         Returns
         -------
@@ -257,7 +257,7 @@ class OrientationBlock(IndependentReadings):
     measured: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives, parameters as of `Block.result`.
+        """Return residuals and derivatives, parameters as of `ObservationBlock.result`.
 
         Returns
         -------

@@ -36,7 +36,7 @@ from truepose.effects.frames.tool_nests import NAME as TOOL
 from truepose.effects.ports import ParameterSpec, Setting, Trait
 from truepose.effects.registry import automatic_in, effects_with
 from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
-from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.blocks import ObservationBlock
 from truepose.identification.observations.joint_priors import belief_block
 from truepose.identification.observations.poses import position_block
 from truepose.identification.problem.initial_frames import Placement, place
@@ -75,7 +75,7 @@ class Problem:
     """
 
     structure: Structure
-    blocks: tuple[Block, ...]
+    blocks: tuple[ObservationBlock, ...]
     start: FloatArray
     nominal_residual_mm: FloatArray
     setting: Setting
@@ -190,12 +190,12 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     structure, start = started_structure(campaign, effects, placement, tool, setting)
     if certified:
         structure, start = with_certified_nests(structure, start, campaign, points.nest)
-    positions: Block = position_block(points, campaign.scatter_mm)
+    positions: ObservationBlock = position_block(points, campaign.scatter_mm)
     blocks = (positions, *_orientations(points, effects))
     return Problem(structure, blocks, start, placement.residual_mm, setting)
 
 
-def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[Block, ...]:
+def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[ObservationBlock, ...]:
     """Return the block of measured orientations; without the tool's as a parameter they say nothing."""
     # Orientations are of a frame of the tool: unless its turn is a parameter, they would bend the arm.
     if points.quaternion is None or TOOL not in effects:

@@ -23,7 +23,7 @@ from truepose.domain.robot import FramePlacement
 from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.effects.ports import Setting
 from truepose.identification.model.structure import TARGET_OWNER, Structure, target_prefix
-from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.blocks import ObservationBlock
 from truepose.identification.observations.contact_targets import KINDS, Probe, sensor_axes
 from truepose.identification.observations.contacts import contact_block, distance_block
 from truepose.identification.problem.initial_frames import Placement
@@ -290,7 +290,7 @@ def spread_over_targets(target: IntArray) -> IntArray:
 
 def contact_structure(
     campaign: Campaign, contacts: ContactReadings, effects: tuple[str, ...], setting: Setting
-) -> tuple[Structure, tuple[Block, ...], FloatArray]:
+) -> tuple[Structure, tuple[ObservationBlock, ...], FloatArray]:
     """Place targets and unknown nests, and return structure, observations and start values.
 
     The contacts come first; certified distances follow where the campaign has them.
@@ -335,7 +335,7 @@ def contact_structure(
     structure, start = started_structure(campaign, effects, placement, found.tool_rotation, setting)
     structure, start = with_certified_nests(structure, start, campaign, contacts.nest)
     structure, start = _with_targets(structure, start, found)
-    blocks: list[Block] = [contact_block(contacts, campaign.scatter_mm, structure.targets)]
+    blocks: list[ObservationBlock] = [contact_block(contacts, campaign.scatter_mm, structure.targets)]
     if campaign.target_distances is not None:
         certified = distance_block(campaign.target_distances, structure.targets, campaign.robot)
         blocks += [] if certified is None else [certified]

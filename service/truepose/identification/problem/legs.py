@@ -22,7 +22,7 @@ from truepose.domain.robot import FramePlacement
 from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.model.structure import LEG_OFFSET, LEG_OWNER, Structure, anchor_name
-from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.blocks import ObservationBlock
 from truepose.identification.observations.fixture import BALL_NEST, clamp_block, side_block
 from truepose.identification.observations.legs import leg_block
 from truepose.identification.problem.initial_frames import Placement, PriorPlacement
@@ -221,7 +221,7 @@ def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArra
 
 def leg_structure(
     campaign: Campaign, legs: LegReadings, effects: tuple[str, ...], setting: Setting
-) -> tuple[Structure, tuple[Block, ...], FloatArray]:
+) -> tuple[Structure, tuple[ObservationBlock, ...], FloatArray]:
     """Place anchors and unknown nests, and return structure, observations and start values.
 
     The legs come first; sides of triangles and clamped cups follow as far as the campaign has them.
@@ -295,10 +295,10 @@ def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Pr
     return places
 
 
-def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[Block]:
+def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[ObservationBlock]:
     """Return what ties the anchors to each other and to the robot, as far as the campaign has it."""
     fixture, setup, clamped_mm = campaign.fixture, campaign.setup, campaign.setup_uncertainty_mm
-    blocks: list[Block | None] = []
+    blocks: list[ObservationBlock | None] = []
     if fixture is not None:
         blocks.append(side_block(fixture, anchors, len(campaign.nests), campaign.robot))
     if setup is not None and clamped_mm is not None:

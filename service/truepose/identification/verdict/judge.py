@@ -33,7 +33,7 @@ from truepose.identification.model.estimates import (
 )
 from truepose.identification.model.prediction import lacking_variance, unknown_variance, unpredictable_at
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock
 from truepose.identification.observations.poses import position_block
 from truepose.messages.message import Message
 
@@ -65,12 +65,12 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
     )
 
 
-def expected_noise_mm(block: Block) -> float:
+def expected_noise_mm(block: ObservationBlock) -> float:
     """Return the mean norm of the residuals that readings and the arm's scatter alone would give.
 
     Parameters
     ----------
-    block : Block
+    block : ObservationBlock
         n readings of d components.
 
     Returns
@@ -110,12 +110,12 @@ def mean_norm(covariance: FloatArray) -> float:
 _NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
 
 
-def pure_error(block: Block, residual_mm: FloatArray, absorbed: float) -> PureError | None:
+def pure_error(block: ObservationBlock, residual_mm: FloatArray, absorbed: float) -> PureError | None:
     """Compare lack of fit with pure error.
 
     Parameters
     ----------
-    block : Block
+    block : ObservationBlock
         With the weights of the fit: readings that do not count take no part.
     residual_mm : ndarray, shape (n, d)
         Of the identified model.
@@ -156,7 +156,7 @@ def pure_error(block: Block, residual_mm: FloatArray, absorbed: float) -> PureEr
     )
 
 
-def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Block:
+def observed(readings: Readings, scatter_mm: float, structure: Structure) -> ObservationBlock:
     """Return readings as observations of a model.
 
     Parameters
@@ -169,7 +169,7 @@ def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Blo
 
     Returns
     -------
-    Block
+    ObservationBlock
         With unit weights.
 
     Raises
@@ -197,14 +197,14 @@ class Assessment:
 
     Attributes
     ----------
-    block : Block
+    block : ObservationBlock
     nominal, identified : BlockResult
         Residuals and derivatives of each model.
     variance : ndarray, shape (n,)
         Per component, of the identified predictions [mm2 or rad2].
     """
 
-    block: Block
+    block: ObservationBlock
     nominal: BlockResult
     identified: BlockResult
     variance: FloatArray
@@ -284,12 +284,12 @@ class Assessment:
         return residual_mm if along is None else residual_mm * along
 
 
-def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> Assessment:
+def judge_estimates(block: ObservationBlock, nominal: Estimate, identified: Estimate) -> Assessment:
     """Hold two models against readings.
 
     Parameters
     ----------
-    block : Block
+    block : ObservationBlock
         Of any kind; numbered as the models number what it was read from.
     nominal, identified : Estimate
 
@@ -350,7 +350,7 @@ def unpredictable_readings(model: Model, readings: Readings) -> tuple[Message, .
     return unpredictable_at(model, _observed(model, readings, 0.0, structure).targets)
 
 
-def _observed(model: Model, readings: Readings, scatter_mm: float, structure: Structure) -> Block:
+def _observed(model: Model, readings: Readings, scatter_mm: float, structure: Structure) -> ObservationBlock:
     told = replace(readings, stops=told_moves(readings.stops))
     block = observed(told, scatter_mm, structure)
     check_targets(model, block.targets)

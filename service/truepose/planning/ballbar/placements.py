@@ -45,7 +45,7 @@ _TURN_RAD: Final = 0.3
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class PlacementRequest:
     """What is asked of the search.
 
     Attributes
@@ -97,7 +97,7 @@ class Suggestion:
     usable: int  # of these, places from which enough can be measured
 
 
-def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
+def suggest(cell: BallbarCell, wish: PlacementRequest | None = None) -> Suggestion:
     """Search for the placements from which a session identifies the model best.
 
     The figure is the root mean square error of nest positions over the work space
@@ -106,7 +106,7 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     Parameters
     ----------
     cell : BallbarCell
-    wish : Wish, optional
+    wish : PlacementRequest, optional
 
     Returns
     -------
@@ -120,7 +120,7 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     ConfigurationError
         The cups would be no length apart, or not 3 or 4.
     """
-    wish = _affordable(cell, wish or Wish())
+    wish = _affordable(cell, wish or PlacementRequest())
     rng = np.random.default_rng(wish.seed)
     model = arm_model(cell)
     # Assemblies do not depend on where the fixture stands: worked out once for all places.
@@ -135,7 +135,7 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     return Suggestion(fixtures, search.error_mm(chosen), wish.draws, len(pool))
 
 
-def _affordable(cell: BallbarCell, wish: Wish) -> Wish:
+def _affordable(cell: BallbarCell, wish: PlacementRequest) -> PlacementRequest:
     """Return a smaller search for arms whose inverse is searched for, too: it takes twenty times as long."""
     if has_closed_form(cell.robot):
         return wish
@@ -146,7 +146,7 @@ def _affordable(cell: BallbarCell, wish: Wish) -> Wish:
 class _Search:
     model: ArmModel
     sample: WorkSpaceSample
-    wish: Wish
+    wish: PlacementRequest
     made: tuple[Assembly, ...]  # of tool and base fixture, wherever it stands
 
     @property
@@ -228,7 +228,7 @@ class _Search:
         return chosen
 
 
-def _frames(cell: BallbarCell, wish: Wish, rng: np.random.Generator) -> Iterator[FramePlacement]:
+def _frames(cell: BallbarCell, wish: PlacementRequest, rng: np.random.Generator) -> Iterator[FramePlacement]:
     """Random frames of the base triangle, its centre in the arm's reach, its normal up to a tilt.
 
     About axis 1 by the range of joint 1, from 30 to 85 % of the length of the arm's links away. The

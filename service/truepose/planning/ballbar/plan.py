@@ -20,7 +20,7 @@ from truepose.planning.ballbar.expected_information import (
     work_space_sample,
 )
 from truepose.planning.ballbar.paths import Stop, Surroundings, Tour, away, lift, tour, way
-from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose
 from truepose.planning.ballbar.poses import planned, setups, subset
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
@@ -70,7 +70,7 @@ def ballbar_plan(
         The arm does not offer that many poses, or cannot go to them clear of everything.
     """
     moves = draws * 5 // 12
-    wish = Wish(placements, base_points, poses, draws=draws, moves=moves, seed=seed)
+    wish = PlacementRequest(placements, base_points, poses, draws=draws, moves=moves, seed=seed)
     space = ballbar_cell(cell)
     return plan_at(space, suggest(space, wish).fixtures, poses, seed=seed)
 

@@ -23,7 +23,7 @@ from truepose.domain.ballbar import (
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
-    SphereWish,
+    SpherePlanRequest,
 )
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
@@ -63,7 +63,9 @@ _FEWEST: Final = 6  # stops; fewer tell next to nothing of where the ball is
 _AIMS: Final = 4  # rounds of Newton along the bar
 
 
-def plan_sphere(cell: BallbarCell, fixture: BaseFixture, wish: SphereWish, *, seed: int = 0) -> BallbarPlan:
+def plan_sphere(
+    cell: BallbarCell, fixture: BaseFixture, wish: SpherePlanRequest, *, seed: int = 0
+) -> BallbarPlan:
     """Plan a sphere test about cup 1 of a base fixture; the same seed gives the same plan.
 
     Where fewer stops can be measured than were wanted, all that were found are planned.
@@ -73,7 +75,7 @@ def plan_sphere(cell: BallbarCell, fixture: BaseFixture, wish: SphereWish, *, se
     cell : BallbarCell
     fixture : BaseFixture
         Placement 1; of its cups the first alone is used.
-    wish : SphereWish
+    wish : SpherePlanRequest
     seed : int
 
     Returns
@@ -123,7 +125,7 @@ class _Search:
 
     around: Surroundings
     held_rad: FloatArray
-    wish: SphereWish
+    wish: SpherePlanRequest
     rng: np.random.Generator
 
     def stops(self, nest: int) -> FloatArray:

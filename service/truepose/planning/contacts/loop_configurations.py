@@ -39,7 +39,7 @@ _USUAL_ZERO_MM: Final = 15.7  # a sphere of one inch and a probe's tip of 6 mm
 
 
 @dataclass(frozen=True, slots=True)
-class LoopWish:
+class LoopPlanRequest:
     """What a closed loop is planned with.
 
     Attributes
@@ -88,7 +88,7 @@ def _read_with(target: Target) -> object:
 
 
 @dataclass(frozen=True, slots=True)
-class Stands:
+class LoopStops:
     """n stops and what is read there."""
 
     joints_rad: FloatArray  # (n, J)
@@ -96,20 +96,20 @@ class Stands:
     group: IntArray  # (n,) index among the groups of the wish
 
 
-def draw_stands(space: WorkSpace, wish: LoopWish, n: int, rng: np.random.Generator) -> Stands:
+def draw_stands(space: WorkSpace, wish: LoopPlanRequest, n: int, rng: np.random.Generator) -> LoopStops:
     """Draw stops, nests and groups of targets in equal parts.
 
     Parameters
     ----------
     space : WorkSpace
-    wish : LoopWish
+    wish : LoopPlanRequest
     n : int
         How many at least: each pair of nest and group gets the same number, rounded up.
     rng : numpy.random.Generator
 
     Returns
     -------
-    Stands
+    LoopStops
 
     Raises
     ------
@@ -122,7 +122,7 @@ def draw_stands(space: WorkSpace, wish: LoopWish, n: int, rng: np.random.Generat
     each = -(-n // len(pairs))
     joints = [_stops(space, wish.groups[group], nest, each, rng) for nest, group in pairs]
     nests, groups = (np.repeat(np.array(column), each) for column in zip(*pairs, strict=True))
-    return Stands(np.concatenate(joints), nests.astype(np.int64), groups.astype(np.int64))
+    return LoopStops(np.concatenate(joints), nests.astype(np.int64), groups.astype(np.int64))
 
 
 def _stops(
@@ -220,14 +220,14 @@ def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tupl
     return place + on_it + off * normal, inward
 
 
-def nominal_loop(space: WorkSpace, wish: LoopWish, stands: Stands) -> tuple[Campaign, IntArray]:
+def nominal_loop(space: WorkSpace, wish: LoopPlanRequest, stands: LoopStops) -> tuple[Campaign, IntArray]:
     """Return the campaign of an arm without errors, and the stop of each of its readings.
 
     Parameters
     ----------
     space : WorkSpace
-    wish : LoopWish
-    stands : Stands
+    wish : LoopPlanRequest
+    stands : LoopStops
 
     Returns
     -------
@@ -268,7 +268,7 @@ class _Part:
     reading_mm: FloatArray  # (k,)
 
 
-def _parts(wish: LoopWish, stands: Stands) -> Iterator[tuple[Target, int, IntArray]]:
+def _parts(wish: LoopPlanRequest, stands: LoopStops) -> Iterator[tuple[Target, int, IntArray]]:
     for number, group in enumerate(wish.groups):
         stop = np.flatnonzero(stands.group == number)
         for target in group:
@@ -282,7 +282,7 @@ def _axes(target: Target) -> tuple[int, ...]:
     return (0, 1, 2) if target.kind in SEEN_ALONG_AXES else (NO_AXIS,)
 
 
-def _read(space: WorkSpace, stands: Stands, part: tuple[Target, int, IntArray]) -> _Part:
+def _read(space: WorkSpace, stands: LoopStops, part: tuple[Target, int, IntArray]) -> _Part:
     target, axis, stop = part
     chain = nominal_chain(space, stands.joints_rad[stop])
     centres = np.array([nest.centre_mm for nest in space.nests])[stands.nest[stop] - 1]

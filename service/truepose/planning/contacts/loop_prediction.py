@@ -22,7 +22,12 @@ from truepose.identification.model.derivatives import place_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict.identifiability import left_open
-from truepose.planning.contacts.loop_configurations import LoopWish, Stands, draw_stands, nominal_loop
+from truepose.planning.contacts.loop_configurations import (
+    LoopPlanRequest,
+    LoopStops,
+    draw_stands,
+    nominal_loop,
+)
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import NONE, Discrepancy, Errors, curve, knee, sizes
 from truepose.planning.prediction.expected_covariance import covariance_root
@@ -46,7 +51,7 @@ _MOVED_RAD: Final = np.deg2rad(0.5)
 
 def promised_loop(
     space: WorkSpace,
-    wish: LoopWish,
+    wish: LoopPlanRequest,
     n: int | None = None,
     *,
     discrepancy: Discrepancy = NONE,
@@ -59,7 +64,7 @@ def promised_loop(
     ----------
     space : WorkSpace
         Arm, tool and what is around them.
-    wish : LoopWish
+    wish : LoopPlanRequest
         Targets, nests and instrument.
     n : int, optional
         How many stops; by default the knee of the curve.
@@ -117,7 +122,7 @@ def promised_loop(
     )
 
 
-def _visits(stands: Stands, chosen: IntArray) -> IntArray:
+def _visits(stands: LoopStops, chosen: IntArray) -> IntArray:
     """Return the stops group by group, each in an order of short ways."""
     groups = stands.group[chosen]
     parts = [chosen[groups == group] for group in np.unique(groups).tolist()]
@@ -127,7 +132,9 @@ def _visits(stands: Stands, chosen: IntArray) -> IntArray:
 class _Knowledge:
     """The parameters of arm and targets, and what readings at each of n stops tell."""
 
-    def __init__(self, space: WorkSpace, wish: LoopWish, stands: Stands, discrepancy: Discrepancy) -> None:
+    def __init__(
+        self, space: WorkSpace, wish: LoopPlanRequest, stands: LoopStops, discrepancy: Discrepancy
+    ) -> None:
         campaign, stop = nominal_loop(space, wish, stands)
         self._problem: Problem = build(campaign, automatic_effects(campaign))
         self._structure, self._start = self._problem.structure, self._problem.start

@@ -13,7 +13,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import SEEN_ALONG_AXES, ContactPlan, ContactStop, Joints, Target, TargetKind
 from truepose.domain.session import Vector
 from truepose.kinematics.chain import Chain, alpha_gradient, theta_gradient
-from truepose.planning.contacts.plan_request import ContactWish, normal_of, place_of, require_sense
+from truepose.planning.contacts.plan_request import ContactPlanRequest, normal_of, place_of, require_sense
 from truepose.planning.contacts.poses import Goals, ReachablePoses, draw_goals, groups_of, reached
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
@@ -29,7 +29,11 @@ _BEGINS_TRIED: Final = 20
 
 
 def hub_of(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, begins_rad: FloatArray, rng: np.random.Generator
+    space: WorkSpace,
+    bodies: CellBodies,
+    wish: ContactPlanRequest,
+    begins_rad: FloatArray,
+    rng: np.random.Generator,
 ) -> FloatArray:
     """Return the configuration from which most of the begins are reached by a clear way.
 
@@ -37,7 +41,7 @@ def hub_of(
     ----------
     space : WorkSpace
     bodies : CellBodies
-    wish : ContactWish
+    wish : ContactPlanRequest
     begins_rad : ndarray, shape (n, J)
         Where ways to the stops begin; twenty of them are tried.
     rng : numpy.random.Generator
@@ -68,7 +72,11 @@ def hub_of(
 
 
 def clear_from(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, begins_rad: FloatArray
+    space: WorkSpace,
+    bodies: CellBodies,
+    wish: ContactPlanRequest,
+    hub_rad: FloatArray,
+    begins_rad: FloatArray,
 ) -> BoolArray:
     """Return whether the straight joint motions from a hub to begins are clear.
 
@@ -76,7 +84,7 @@ def clear_from(
     ----------
     space : WorkSpace
     bodies : CellBodies
-    wish : ContactWish
+    wish : ContactPlanRequest
     hub_rad : ndarray, shape (J,)
     begins_rad : ndarray, shape (n, J)
 
@@ -95,13 +103,13 @@ def clear_from(
     return clear
 
 
-def keep_off(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> BoolArray:
+def keep_off(space: WorkSpace, wish: ContactPlanRequest, joints_rad: FloatArray) -> BoolArray:
     """Return whether the tool's nests and the flange are away from all targets.
 
     Parameters
     ----------
     space : WorkSpace
-    wish : ContactWish
+    wish : ContactPlanRequest
     joints_rad : ndarray, shape (n, J)
 
     Returns
@@ -134,13 +142,13 @@ _KNOWN: Final = 1e-3  # beforehand, of each parameter: fewer readings than param
 _NULL_MM: Final = 0.02  # what is left then acts along the probe's axis, up to 12 deg beside the distance
 
 
-def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
+def plan_of(cell: Cell, wish: ContactPlanRequest) -> ContactPlan:
     """Return a plan with the stops that tell most about the robot.
 
     Parameters
     ----------
     cell : Cell
-    wish : ContactWish
+    wish : ContactPlanRequest
 
     Returns
     -------
@@ -187,7 +195,7 @@ def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
 
 
 def _candidates(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator
+    space: WorkSpace, bodies: CellBodies, wish: ContactPlanRequest, rng: np.random.Generator
 ) -> ReachablePoses:
     """Return places at the targets with their ways, all of which begin at the same place."""
     near = _near(space, bodies, wish, rng)
@@ -204,14 +212,14 @@ def _candidates(
 
 
 def _near(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator
+    space: WorkSpace, bodies: CellBodies, wish: ContactPlanRequest, rng: np.random.Generator
 ) -> ReachablePoses:
     found = reached(space, bodies, wish, draw_goals(wish, _DRAWN, rng), rng)
     return found.taken(np.flatnonzero(keep_off(space, wish, found.way_rad[:, 0])))
 
 
 def _from_hub(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, found: ReachablePoses
+    space: WorkSpace, bodies: CellBodies, wish: ContactPlanRequest, hub_rad: FloatArray, found: ReachablePoses
 ) -> ReachablePoses:
     clear = np.flatnonzero(clear_from(space, bodies, wish, hub_rad, found.way_rad[:, 0]))
     kept = found.taken(clear)
@@ -234,7 +242,7 @@ def _joined(parts: list[ReachablePoses]) -> ReachablePoses:
     )
 
 
-def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> ReachablePoses:
+def _hanging(space: WorkSpace, wish: ContactPlanRequest, rng: np.random.Generator) -> ReachablePoses:
     """Return configurations all over the work space in which every wire is within its stroke."""
     joints = draw_candidates(space, _DRAWN, rng).joints_rad
     tip_mm = _tips_mm(space, wish, joints)
@@ -247,7 +255,7 @@ def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> R
     return _enough(wish, ReachablePoses(goals, joints[kept][:, None]))
 
 
-def _enough(wish: ContactWish, found: ReachablePoses) -> ReachablePoses:
+def _enough(wish: ContactPlanRequest, found: ReachablePoses) -> ReachablePoses:
     """Return what was found; raises TooFewCandidatesError where it is less than twice the stops."""
     if len(found.way_rad) < 2 * wish.stops:
         raise TooFewCandidatesError(
@@ -257,11 +265,11 @@ def _enough(wish: ContactWish, found: ReachablePoses) -> ReachablePoses:
     return found
 
 
-def _tips_mm(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> FloatArray:
+def _tips_mm(space: WorkSpace, wish: ContactPlanRequest, joints_rad: FloatArray) -> FloatArray:
     return nominal_chain(space, joints_rad).points(np.array(space.nests[wish.nest - 1].centre_mm))
 
 
-def _jacobians(space: WorkSpace, wish: ContactWish, found: ReachablePoses) -> FloatArray:
+def _jacobians(space: WorkSpace, wish: ContactPlanRequest, found: ReachablePoses) -> FloatArray:
     """Return the derivatives of each candidate's readings, shape (n, rows, parameters).
 
     In the joint zeros and the twists between joint axes [mm per 1/500 rad], and the places of the targets [mm
@@ -282,7 +290,7 @@ def _jacobians(space: WorkSpace, wish: ContactWish, found: ReachablePoses) -> Fl
     return np.concatenate([of_robot, places], axis=2)
 
 
-def _directions(wish: ContactWish, chain: Chain, goals: Goals) -> FloatArray:
+def _directions(wish: ContactPlanRequest, chain: Chain, goals: Goals) -> FloatArray:
     """Return along which directions of the world each candidate's readings are, shape (n, rows, 3)."""
     groups = groups_of(wish)
     if wish.targets[0].kind in SEEN_ALONG_AXES:
@@ -299,7 +307,7 @@ def _direction(target: Target, goals: Goals) -> FloatArray:
     return np.broadcast_to(normal_of(target), goals.tip_mm.shape)
 
 
-def _stop(wish: ContactWish, found: ReachablePoses, row: int, config: int) -> ContactStop:
+def _stop(wish: ContactPlanRequest, found: ReachablePoses, row: int, config: int) -> ContactStop:
     targets = groups_of(wish)[int(found.goals.group[row])]
     way: tuple[Joints, ...] = tuple(tuple(map(float, place)) for place in found.way_rad[row])
     return ContactStop(

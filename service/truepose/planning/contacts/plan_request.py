@@ -21,7 +21,7 @@ _CANCELLED: Final = 1e-6  # of the mean of unit vectors: what is left shows no d
 
 
 @dataclass(frozen=True, slots=True)
-class ContactWish:
+class ContactPlanRequest:
     """Targets, what reads them, and how many stops; lengths in mm, directions of any length but none."""
 
     loop: Loop
@@ -116,13 +116,13 @@ _WITH_ZERO: Final = frozenset({TargetKind.SPHERE, TargetKind.WIRE})
 _LEAST_LENGTH: Final = 1e-3  # of a direction
 
 
-def require_sense(cell: Cell, wish: ContactWish) -> None:
+def require_sense(cell: Cell, wish: ContactPlanRequest) -> None:
     """Raise, with one sentence, for the first thing that cannot be meant.
 
     Parameters
     ----------
     cell : Cell
-    wish : ContactWish
+    wish : ContactPlanRequest
 
     Raises
     ------
@@ -143,7 +143,7 @@ def require_sense(cell: Cell, wish: ContactWish) -> None:
         raise WorkSpaceError(f"The cell has no tool nest {wish.nest} with a centre.")
 
 
-def _require_target(wish: ContactWish, target: Target) -> None:
+def _require_target(wish: ContactPlanRequest, target: Target) -> None:
     if target.kind not in _READS[wish.loop]:
         raise WorkSpaceError(
             f"Target {target.number} is a {target.kind.value}, and what reads target 1 does not read that."
@@ -167,7 +167,7 @@ def _require_length(direction: Vector, what: str) -> None:
         raise WorkSpaceError(f"{what} has no length; a direction needs one.")
 
 
-def _require_distances(wish: ContactWish) -> None:
+def _require_distances(wish: ContactPlanRequest) -> None:
     centres = {target.number for target in wish.targets if target.kind in CENTRES}
     for distance in wish.distances:
         if not set(distance.targets) <= centres or len(set(distance.targets)) < len(distance.targets):

@@ -19,7 +19,7 @@ from truepose.domain.contacts import Target, TargetKind
 from truepose.domain.robot import JointRange
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.kinematics.inverse import all_branches, brought_within
-from truepose.planning.contacts.plan_request import ContactWish, mean_normal, normal_of, place_of
+from truepose.planning.contacts.plan_request import ContactPlanRequest, mean_normal, normal_of, place_of
 from truepose.planning.workspace.bodies import CellBodies, Ways, least_rooms_mm, rooms
 from truepose.planning.workspace.space import WorkSpace
 
@@ -42,12 +42,12 @@ class Goals(NamedTuple):
         return Goals(self.group[rows], self.tip_mm[rows], self.points[rows], self.way_in[rows])
 
 
-def groups_of(wish: ContactWish) -> tuple[tuple[Target, ...], ...]:
+def groups_of(wish: ContactPlanRequest) -> tuple[tuple[Target, ...], ...]:
     """Return which targets are read together at a stop: a probe touches one, all else reads all.
 
     Parameters
     ----------
-    wish : ContactWish
+    wish : ContactPlanRequest
 
     Returns
     -------
@@ -58,12 +58,12 @@ def groups_of(wish: ContactWish) -> tuple[tuple[Target, ...], ...]:
     return (wish.targets,)
 
 
-def draw_goals(wish: ContactWish, n: int, rng: np.random.Generator) -> Goals:
+def draw_goals(wish: ContactPlanRequest, n: int, rng: np.random.Generator) -> Goals:
     """Draw n places of a tool that touches, or comes near.
 
     Parameters
     ----------
-    wish : ContactWish
+    wish : ContactPlanRequest
         Of a probe, gauges or a sensor: wires have no goals, they hang on the tool anywhere.
     n : int
     rng : numpy.random.Generator
@@ -86,7 +86,7 @@ def draw_goals(wish: ContactWish, n: int, rng: np.random.Generator) -> Goals:
 
 
 def _of_group(
-    wish: ContactWish, targets: tuple[Target, ...], n: int, rng: np.random.Generator
+    wish: ContactPlanRequest, targets: tuple[Target, ...], n: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places of the nest (n, 3) [mm], where the tool points (n, 3), and the way in (n, 3).
 
@@ -115,7 +115,7 @@ def _probing(
 
 
 def _approaching(
-    wish: ContactWish, targets: tuple[Target, ...], n: int, rng: np.random.Generator
+    wish: ContactPlanRequest, targets: tuple[Target, ...], n: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Into a fixture of gauges along the middle of their directions; down to a ball for a sensor."""
     way = mean_normal(targets) * (-1.0 if wish.loop == "sensor" else 1.0)
@@ -168,12 +168,12 @@ class ReachablePoses:
         return ReachablePoses(self.goals.taken(rows), self.way_rad[rows])
 
 
-def step_lengths_mm(wish: ContactWish) -> tuple[float, ...]:
+def step_lengths_mm(wish: ContactPlanRequest) -> tuple[float, ...]:
     """Return how far before its stop each place of a way is.
 
     Parameters
     ----------
-    wish : ContactWish
+    wish : ContactPlanRequest
 
     Returns
     -------
@@ -185,7 +185,7 @@ def step_lengths_mm(wish: ContactWish) -> tuple[float, ...]:
 
 
 def reached(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, goals: Goals, rng: np.random.Generator
+    space: WorkSpace, bodies: CellBodies, wish: ContactPlanRequest, goals: Goals, rng: np.random.Generator
 ) -> ReachablePoses:
     """Return the goals that the arm reaches with room all the way, each with a branch drawn at random.
 
@@ -193,7 +193,7 @@ def reached(
     ----------
     space : WorkSpace
     bodies : CellBodies
-    wish : ContactWish
+    wish : ContactPlanRequest
     goals : Goals
         n of them.
     rng : numpy.random.Generator
@@ -237,7 +237,7 @@ def _frame_about(z: FloatArray, spin_rad: FloatArray) -> FloatArray:
 
 
 def _poses(
-    space: WorkSpace, wish: ContactWish, goals: Goals, turn: FloatArray, before_mm: float
+    space: WorkSpace, wish: ContactPlanRequest, goals: Goals, turn: FloatArray, before_mm: float
 ) -> FloatArray:
     """Return the poses of the last frame in the base, shape (n, 4, 4)."""
     nest_mm = np.array(space.nests[wish.nest - 1].centre_mm)

@@ -31,7 +31,7 @@ from truepose.planning.ballbar.expected_information import (
     error_gradient,
     error_weight,
 )
-from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.pose_selection import (
     candidates,
@@ -114,7 +114,7 @@ def promised_ballbar_session(
     """
     require_some(n)
     base_points = 3 if cell.ballbar is None else cell.ballbar.base_points
-    wish = Wish(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
+    wish = PlacementRequest(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
     fixtures = suggest(ballbar_cell(cell), wish).fixtures
     return promised_at(cell, fixtures, n, volume=volume, discrepancy=discrepancy, seed=seed)
 

@@ -150,7 +150,7 @@ _MOVED_RAD: Final = np.deg2rad(0.5)  # a joint that stays within this has not mo
 
 
 @dataclass(frozen=True, slots=True)
-class Knowns:
+class PriorKnowledge:
     """What is known beforehand of arm, artefacts and instrument, beside the work space."""
 
     accuracy: TrackerAccuracy = TYPICAL
@@ -160,7 +160,7 @@ class Knowns:
     base_known: bool = True  # roughly; else it is found from the readings
     believed: JointPrior | None = None  # of the arm's parameters together, as robots of its type tell it
 
-    def believing(self, belief: JointPrior) -> "Knowns":
+    def believing(self, belief: JointPrior) -> "PriorKnowledge":
         """Return the same with what is believed of the arm."""
         return replace(self, believed=belief)
 
@@ -199,7 +199,7 @@ class ArmKnowledge:
     space : WorkSpace
     candidates : Candidates
         Configurations that the effects are chosen by: what they show.
-    knowns : Knowns
+    knowns : PriorKnowledge
     effects : sequence of str, optional
         By default those that `identify` takes by itself.
 
@@ -210,7 +210,11 @@ class ArmKnowledge:
     """
 
     def __init__(
-        self, space: WorkSpace, candidates: Candidates, knowns: Knowns, effects: Sequence[str] | None = None
+        self,
+        space: WorkSpace,
+        candidates: Candidates,
+        knowns: PriorKnowledge,
+        effects: Sequence[str] | None = None,
     ) -> None:
         campaign = _as_known(nominal_campaign(space, candidates), knowns)
         problem = build(campaign, tuple(effects or automatic_effects(campaign)))
@@ -435,7 +439,7 @@ def _rigid_motion(places_mm: FloatArray) -> FloatArray:
     return np.concatenate([shifts, -cross_matrix(places_mm)], axis=2)
 
 
-def _as_known(campaign: Campaign, knowns: Knowns) -> Campaign:
+def _as_known(campaign: Campaign, knowns: PriorKnowledge) -> Campaign:
     """Return a campaign that knows no more than is known."""
     # A plan for a campaign without a stated base has to pay for finding it, as its identification does.
     base = campaign.base_nominal if knowns.base_known else None

@@ -12,8 +12,8 @@ from truepose.domain.identification import Model
 from truepose.domain.robot import JointRange, Nest
 from truepose.planning.prediction.errors import NONE, Discrepancy
 from truepose.planning.prediction.expected_covariance import TYPICAL as TRACKER
-from truepose.planning.prediction.expected_covariance import Knowns, TrackerAccuracy, stated
-from truepose.planning.prediction.tracker import Measured
+from truepose.planning.prediction.expected_covariance import PriorKnowledge, TrackerAccuracy, stated
+from truepose.planning.prediction.tracker import ExistingReadings
 from truepose.planning.workspace.space import TABLE_CLEARANCE_MM, WorkSpace, space_of_cell, space_to_measure
 
 # 0.146 mm on average were left of a small arm (A. Nubiola, thesis, 2014, section 2.5), 0.022 mm of it the
@@ -29,14 +29,14 @@ class Subject:
     Attributes
     ----------
     space : WorkSpace
-    knowns : Knowns
-    measured : Measured or None
+    knowns : PriorKnowledge
+    measured : ExistingReadings or None
         What was measured before; None: nothing.
     """
 
     space: WorkSpace
-    knowns: Knowns
-    measured: Measured | None = None
+    knowns: PriorKnowledge
+    measured: ExistingReadings | None = None
 
     def reading(self, per_axis_mm: float) -> "Subject":
         """Return the subject with an instrument of this standard uncertainty per axis [mm]."""
@@ -70,7 +70,7 @@ def of_cell(cell: Cell) -> Subject:
     ConfigurationError
         Neither the cell nor its robot says how far the joints turn.
     """
-    knowns = Knowns(
+    knowns = PriorKnowledge(
         accuracy=TRACKER if cell.camera is None else stated(cell.camera.position_u_mm),
         fixed_nests=cell.fixed_nests,
         discrepancy=expected_discrepancy(cell),
@@ -125,7 +125,7 @@ def of_campaign(campaign: Campaign, model: Model) -> Subject:
         raise ConfigurationError(
             "The campaign has no positions to go on from; plan a ballbar session from the cell file."
         )
-    measured = Measured(points.stops.joints_rad, points.nest, len(np.unique(sites(points.stops))))
+    measured = ExistingReadings(points.stops.joints_rad, points.nest, len(np.unique(sites(points.stops))))
     return Subject(_space(campaign, points, model), _knowns(campaign, points, model), measured)
 
 
@@ -165,8 +165,8 @@ def _nests(campaign: Campaign, model: Model) -> tuple[Nest, ...]:
     )
 
 
-def _knowns(campaign: Campaign, points: PointReadings, model: Model) -> Knowns:
-    return Knowns(
+def _knowns(campaign: Campaign, points: PointReadings, model: Model) -> PriorKnowledge:
+    return PriorKnowledge(
         accuracy=_accuracy(points),
         fixed_nests=campaign.fixed_nests,
         discrepancy=_discrepancy(points, model),

@@ -13,7 +13,7 @@ from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.observability import most_informative_first
 from truepose.planning.prediction.errors import CurvePoint, Errors, curve, knee, sizes
-from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns, ReadingInformation
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge, ReadingInformation
 from truepose.planning.prediction.plan import (
     VOLUME_CONFIGURATIONS,
     Assumptions,
@@ -36,7 +36,7 @@ _NEAR: Final = 300  # configurations that may stand in for one that cannot be re
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class ExistingReadings:
     """Readings that are there already; rows of one configuration may be several.
 
     Attributes
@@ -57,9 +57,9 @@ def promised_session(
     space: WorkSpace,
     n: int | None = None,
     *,
-    knowns: Knowns | None = None,
+    knowns: PriorKnowledge | None = None,
     volume: WorkVolume | None = None,
-    measured: Measured | None = None,
+    measured: ExistingReadings | None = None,
     seed: int = 0,
     n_candidates: int = N_CANDIDATES,
     one_sided: bool = False,
@@ -72,10 +72,10 @@ def promised_session(
     n : int, optional
         Configurations to measure; by default as many as the knee of the curve says, none where enough is
         measured.
-    knowns : Knowns, optional
+    knowns : PriorKnowledge, optional
     volume : WorkVolume, optional
         Where accuracy counts; by default the joint ranges in which configurations are chosen.
-    measured : Measured, optional
+    measured : ExistingReadings, optional
         What was measured before: the curve goes on from there.
     seed : int
         The same seed gives the same plan.
@@ -99,7 +99,7 @@ def promised_session(
     """
     require_some(n)
     rng = np.random.default_rng([seed, _STREAM])
-    knowns, measured = knowns or Knowns(), measured or Measured(*_none(space), 0)
+    knowns, measured = knowns or PriorKnowledge(), measured or ExistingReadings(*_none(space), 0)
     drawn = _drawn(space, max(n or 0, n_candidates), rng, one_sided=one_sided)
     if not len(drawn):
         raise TooFewCandidatesError(
@@ -174,7 +174,9 @@ def session_plan(plan: PromisedPlan) -> SessionPlan:
 class _Choice:
     """Configurations in the order in which they were chosen, behind those that were measured."""
 
-    def __init__(self, space: WorkSpace, candidates: Candidates, knowns: Knowns, measured: Measured) -> None:
+    def __init__(
+        self, space: WorkSpace, candidates: Candidates, knowns: PriorKnowledge, measured: ExistingReadings
+    ) -> None:
         self._space, self._candidates, self._measured = space, candidates, measured
         self._knowledge = ArmKnowledge(space, candidates, knowns)
         self._offered = self._knowledge.told(candidates.joints_rad, candidates.nest)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from truepose.domain.diagnosis import Diagnosis, Finding, Worth
+from truepose.domain.diagnosis import Diagnosis, EffectSize, Finding
 from truepose.effects.signatures import place_of
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.reports.figures.canvas import (
@@ -47,7 +47,7 @@ _VARIABLES = (
 
 
 @dataclass(frozen=True, slots=True)
-class MapCell:
+class MapEntry:
     """A place and a variable, and what is told there."""
 
     where: str
@@ -68,7 +68,7 @@ class CauseMap:
 
     rows: tuple[str, ...]
     columns: tuple[str, ...]
-    cells: tuple[MapCell, ...]  # row by row
+    cells: tuple[MapEntry, ...]  # row by row
     links: tuple[tuple[Place, Place], ...]  # a finding and where its rival would act
 
 
@@ -82,7 +82,7 @@ def cause_map(diagnosis: Diagnosis) -> CauseMap | None:
     numbers = _numbers(diagnosis)
     total = sum(told.values()) or 1.0
     cells = tuple(
-        MapCell(
+        MapEntry(
             *place,
             share=told.get(place, 0.0) / total,
             findings=numbers.get(place, ()),
@@ -106,7 +106,7 @@ def _told(diagnosis: Diagnosis) -> Iterator[tuple[Place, float]]:
     yield from squares.items()
 
 
-def _square(worth: Worth | None) -> float:
+def _square(worth: EffectSize | None) -> float:
     if worth is None:
         return 0.0
     return (worth.mean_mm if worth.own_mm is None else worth.own_mm) ** 2
@@ -206,7 +206,7 @@ def _picture_of_link(axes: Axes, found: CauseMap, link: tuple[Place, Place]) -> 
     )
 
 
-def _picture_of_cell(axes: Axes, found: CauseMap, cell: MapCell) -> None:
+def _picture_of_cell(axes: Axes, found: CauseMap, cell: MapEntry) -> None:
     x, y = _at(found, cell.place)
     corner, size = (x - _HALF[0], y - _HALF[1]), (2.0 * _HALF[0], 2.0 * _HALF[1])
     if cell.share > 0.0:
@@ -223,7 +223,7 @@ def _opacity(share: float) -> float:
     return float(_FAINTEST + (_DARKEST - _FAINTEST) * share**0.5)
 
 
-def _text(cell: MapCell) -> str:
+def _text(cell: MapEntry) -> str:
     numbers = f"({', '.join(map(str, cell.findings))})" if cell.findings else ""
     return " ".join(filter(None, (numbers, share_text(cell.share))))
 

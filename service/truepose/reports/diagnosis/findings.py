@@ -12,12 +12,12 @@ from truepose.domain.diagnosis import (
     Cause,
     Detail,
     Diagnosis,
+    EffectSize,
     Finding,
     Gain,
     NextMeasurement,
     RuledOut,
     Spectrum,
-    Worth,
 )
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
@@ -168,7 +168,7 @@ def _rows(finding: Finding, words: Catalogue) -> Iterator[tuple[str, str, str]]:
     yield say("finding.share"), share, say("finding.share.remark")
 
 
-def _worth_remark(worth: Worth, words: Catalogue) -> str:
+def _worth_remark(worth: EffectSize, words: Catalogue) -> str:
     if worth.own_mm is None:
         return words.say("finding.worth.remark")
     return words.say("finding.worth.remark_own", own=own_text(worth))

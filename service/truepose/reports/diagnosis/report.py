@@ -20,7 +20,7 @@ from truepose.reports.captions import (
 )
 from truepose.reports.cause_words import cause_words, causes_listed, verdict_words
 from truepose.reports.cover_page import Front, OneFigure, error_bars
-from truepose.reports.diagnosis.cause_map import MapCell, cause_map, map_picture, share_text
+from truepose.reports.diagnosis.cause_map import MapEntry, cause_map, map_picture, share_text
 from truepose.reports.diagnosis.findings import finding_blocks
 from truepose.reports.diagnosis.rows import described_rows, described_sentence, ruled_out_table
 from truepose.reports.error_tables import error_table, figures_row
@@ -179,7 +179,7 @@ def _map(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:
     }
 
 
-def _map_row(cell: MapCell, words: Catalogue) -> tuple[str, str, str, str]:
+def _map_row(cell: MapEntry, words: Catalogue) -> tuple[str, str, str, str]:
     """Return a cell as where, over what, what is told there, and its share."""
     findings = [words.say("map.row.finding", number=number) for number in cell.findings]
     rivals = [words.say("map.row.rival", number=number) for number in cell.rival_of]

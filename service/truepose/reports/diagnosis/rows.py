@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Described, Remaining, RuledOut, Worth
+from truepose.domain.diagnosis import Described, EffectSize, Remaining, RuledOut
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text
 from truepose.reports.cause_words import worth_words
@@ -57,7 +57,7 @@ def described_place(described: Described, words: Catalogue = IN_ENGLISH) -> str:
     return words.say("described.place", where=described.where, over=described.over)
 
 
-def own_text(worth: Worth) -> str:
+def own_text(worth: EffectSize) -> str:
     """Return what would be missed without it, all other parameters fitted again; without its unit."""
     return MISSING if worth.own_mm is None else millimetres(worth.own_mm)
 

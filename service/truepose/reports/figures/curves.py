@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.identification import Statistics
-from truepose.domain.validation import ErrorsByPlace, Shell
+from truepose.domain.validation import DistanceBin, ErrorsByPlace
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
@@ -119,7 +119,7 @@ def _draw_place_errors(places: ErrorsByPlace, colours: Colours, words: Catalogue
     return figure
 
 
-def _panel(axes: Axes, shells: Sequence[Shell], colours: Colours, words: Catalogue) -> None:
+def _panel(axes: Axes, shells: Sequence[DistanceBin], colours: Colours, words: Catalogue) -> None:
     before, after = ([getattr(s.errors, name) for s in shells] for name in ("nominal", "identified"))
     nominal, identified = words.say("model.nominal"), words.say("model.identified")
     for name, figures, colour in ((nominal, before, colours.before), (identified, after, colours.after)):
@@ -135,7 +135,7 @@ def _above_zero(figures: Sequence[Statistics]) -> bool:
 
 
 def _steps(
-    axes: Axes, shells: Sequence[Shell], values: Sequence[float], label: str, colour: str, style: str
+    axes: Axes, shells: Sequence[DistanceBin], values: Sequence[float], label: str, colour: str, style: str
 ) -> None:
     """Draw a level over each shell; shells without a reading leave a gap."""
     ends = [end for shell in shells for end in (shell.from_mm, shell.to_mm, np.nan)]

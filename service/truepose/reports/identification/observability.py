@@ -30,7 +30,7 @@ HARDLY: Final = 1.0 / UNDETERMINED  # times better known; below, what was assume
 
 
 @dataclass(frozen=True, slots=True)
-class Determined:
+class DeterminedParameter:
     """A parameter, and how many times better it is known than was assumed before the measurement."""
 
     name: str
@@ -42,17 +42,19 @@ class Determined:
         return self.times < HARDLY
 
 
-def determined(parameters: Sequence[Parameter]) -> tuple[Determined, ...]:
+def determined(parameters: Sequence[Parameter]) -> tuple[DeterminedParameter, ...]:
     """Return the parameters of which an assumption was stated, the worst known first."""
     known = (
-        Determined(one.name, one.prior_width / one.standard_uncertainty)
+        DeterminedParameter(one.name, one.prior_width / one.standard_uncertainty)
         for one in parameters
         if one.standard_uncertainty > 0.0 and one.prior_width > 0.0
     )
     return tuple(sorted(known, key=lambda one: one.times))
 
 
-def observability_sentence(found: Sequence[Determined], left_out: Sequence[NotIdentifiable] = ()) -> Text:
+def observability_sentence(
+    found: Sequence[DeterminedParameter], left_out: Sequence[NotIdentifiable] = ()
+) -> Text:
     """Return how many parameters the readings determine, which is known worst, and how many were left out."""
     if not found:
         return message("seen.observability.none")
@@ -73,14 +75,16 @@ def observability_sentence(found: Sequence[Determined], left_out: Sequence[NotId
 _MOST: Final = 60  # parameters whose names still stand below one another
 
 
-def observability_figure(found: Sequence[Determined], words: Catalogue = IN_ENGLISH) -> Markup | None:
+def observability_figure(
+    found: Sequence[DeterminedParameter], words: Catalogue = IN_ENGLISH
+) -> Markup | None:
     """Draw the worst known parameters; None where there is none to draw."""
     if not found:
         return None
     return on_page(partial(_bars, found[:_MOST], words), "observability", words.say("observability.picture"))
 
 
-def _bars(found: Sequence[Determined], words: Catalogue, colours: Colours) -> Drawing:
+def _bars(found: Sequence[DeterminedParameter], words: Catalogue, colours: Colours) -> Drawing:
     halves = np.array_split(np.arange(len(found)), 2 if len(found) > 12 else 1)
     figure = new_figure(8.0, 0.9 + 0.17 * len(halves[0]))
     widest = max(found[-1].times, 2.0 * HARDLY)

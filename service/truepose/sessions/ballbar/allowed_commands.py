@@ -7,7 +7,7 @@ from truepose.domain.ballbar import BallbarStep, StepKind
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 
 
 class Answer(StrEnum):
@@ -18,41 +18,41 @@ class Answer(StrEnum):
     EXCHANGED = "exchanged"  # both legs are read again
 
 
-_ALWAYS: Final = frozenset({ActName.HAND_OVER, ActName.ABORT})
-_RUNNING: Final = frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS})
+_ALWAYS: Final = frozenset({CommandName.HAND_OVER, CommandName.ABORT})
+_RUNNING: Final = frozenset({CommandName.PAUSE, CommandName.STOP, *_ALWAYS})
 _BY_STATE: Final = {
-    SessionState.PLANNED: frozenset({ActName.START, ActName.ABORT}),
+    SessionState.PLANNED: frozenset({CommandName.START, CommandName.ABORT}),
     SessionState.RUNNING: _RUNNING,
-    SessionState.PAUSING: frozenset({ActName.STOP, *_ALWAYS}),
-    SessionState.PAUSED: frozenset({ActName.RESUME, *_ALWAYS}),
-    SessionState.AWAITING_CONFIRMATION: frozenset({ActName.CONFIRM, *_ALWAYS}),
-    SessionState.ABORTING: frozenset({ActName.HAND_OVER}),
+    SessionState.PAUSING: frozenset({CommandName.STOP, *_ALWAYS}),
+    SessionState.PAUSED: frozenset({CommandName.RESUME, *_ALWAYS}),
+    SessionState.AWAITING_CONFIRMATION: frozenset({CommandName.CONFIRM, *_ALWAYS}),
+    SessionState.ABORTING: frozenset({CommandName.HAND_OVER}),
 }
 
 
 def acts_allowed(
     state: SessionState, step: BallbarStep | None, *, confirmed: bool, suspected: bool, can_go_back: bool
-) -> frozenset[ActName]:
+) -> frozenset[CommandName]:
     """Return the acts that may be pressed now."""
-    acts: frozenset[ActName] = _BY_STATE.get(state, frozenset())
+    acts: frozenset[CommandName] = _BY_STATE.get(state, frozenset())
     if step is None:
         return acts
     if state is SessionState.PAUSED and step.kind is StepKind.PRECALIBRATE:
-        return acts | {ActName.SKIP}  # it has failed, or was not wanted now
+        return acts | {CommandName.SKIP}  # it has failed, or was not wanted now
     if state is not SessionState.RUNNING or confirmed or step.kind is StepKind.PRECALIBRATE:
         return acts
     acts |= _acts_of_the_step(step, suspected=suspected)
-    return acts | {ActName.BACK} if can_go_back and not suspected else acts
+    return acts | {CommandName.BACK} if can_go_back and not suspected else acts
 
 
-def _acts_of_the_step(step: BallbarStep, *, suspected: bool) -> frozenset[ActName]:
-    skip = {ActName.SKIP} if may_be_skipped(step) else set()
+def _acts_of_the_step(step: BallbarStep, *, suspected: bool) -> frozenset[CommandName]:
+    skip = {CommandName.SKIP} if may_be_skipped(step) else set()
     # A doubt is answered before anything else of the step is done, and before *Back*: what is in doubt is not
     # on record yet.
     if suspected:
-        return frozenset({ActName.ANSWER, ActName.RETRY, *skip})
-    do = ActName.STORE if step.kind in READINGS else ActName.CONFIRM
-    return frozenset({do, ActName.RETRY, *skip})
+        return frozenset({CommandName.ANSWER, CommandName.RETRY, *skip})
+    do = CommandName.STORE if step.kind in READINGS else CommandName.CONFIRM
+    return frozenset({do, CommandName.RETRY, *skip})
 
 
 def may_be_skipped(step: BallbarStep) -> bool:

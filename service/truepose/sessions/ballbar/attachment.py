@@ -38,7 +38,7 @@ _ASLEEP_S: Final = 1.0  # a bar that gave no signal for so long may be elsewhere
 _PERSISTS_S: Final = 0.4  # so long no hand keeps the bar within its range by chance
 
 
-class Evidence:
+class AttachmentEvidence:
     """Follows the samples, and remembers what they proved last."""
 
     def __init__(self, range_mm: float) -> None:

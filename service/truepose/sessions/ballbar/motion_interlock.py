@@ -100,7 +100,7 @@ def joint_away(reported: tuple[float, ...], wanted: tuple[float, ...], allowed_r
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
 
 
-class Motion:
+class InterlockedMotion:
     """Moves the arm to the stop of a step and reads where it came to rest."""
 
     def __init__(

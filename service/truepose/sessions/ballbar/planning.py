@@ -14,7 +14,7 @@ from truepose.domain.ballbar import (
     BallbarStep,
     Leg,
     PreCalibration,
-    SphereWish,
+    SpherePlanRequest,
     StepKind,
 )
 from truepose.domain.cell import BallbarKit, Cell
@@ -41,7 +41,7 @@ from truepose.storage.records import SessionSetup
 
 
 @dataclass(frozen=True, slots=True)
-class BallbarWish:
+class BallbarPlanRequest:
     """What is wanted of a ballbar session."""
 
     given: BallbarPlan | None = None  # None: poses, or placements too, are chosen
@@ -49,7 +49,7 @@ class BallbarWish:
     placements: int = 1  # how many are suggested
     poses: int = 24  # of the whole session
     seed: int = 0
-    sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
+    sphere: SpherePlanRequest | None = None  # a sphere test at the one frame; None: six legs a pose
 
     def __post_init__(self) -> None:
         """Raise ConfigurationError where a sphere test has no place, or several."""
@@ -113,7 +113,7 @@ class BallbarWork:
         # Plans took a core for a minute each, as many as were asked for (decision 0023).
         self._plans = Turns(at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
 
-    async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
+    async def choose(self, setup: SessionSetup, wish: BallbarPlanRequest) -> BallbarPlan:
         """Return the plan of a session; cancelling it ends the worker. Raises TrueposeError, BusyError."""
         async with self._plans.taken():
             return cast(BallbarPlan, await self._perform(plan_task(setup, wish), _nobody))
@@ -123,7 +123,7 @@ class BallbarWork:
         return WorkerPreCalibrator(setup, self._perform)
 
 
-def plan_task(setup: SessionSetup, wish: BallbarWish) -> BallbarPlanTask:
+def plan_task(setup: SessionSetup, wish: BallbarPlanRequest) -> BallbarPlanTask:
     """Return the choice of poses and placements as a worker is asked for it."""
     return BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed, wish.sphere)
 

@@ -10,7 +10,7 @@ from typing import Final
 from truepose.domain.ballbar import BallbarPlan, BallbarStep, LengthTaken, StepKind
 from truepose.domain.cell import Artefact, BallbarKit, Bars
 from truepose.messages.message import Message, message
-from truepose.sessions.ballbar.attachment import Contact, Evidence
+from truepose.sessions.ballbar.attachment import AttachmentEvidence, Contact
 from truepose.sessions.ballbar.cell import BallbarCell
 from truepose.sessions.ballbar.live import (
     BEYOND_RANGE_MM,
@@ -24,7 +24,7 @@ from truepose.sessions.ballbar.live import (
 )
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.identity_check import KnownDevice, same_number
 from truepose.sessions.errors import NotNowError
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
@@ -163,7 +163,7 @@ class Readings:
         self._polled = asyncio.Event()
         self._closed = False
         self.contact = Contact()
-        self.evidence = Evidence(kit.range_mm)
+        self.evidence = AttachmentEvidence(kit.range_mm)
         self.sample: LiveSample | None = None
 
     @property
@@ -336,7 +336,7 @@ class Readings:
         state = live_state(
             reading, None if reads_zero else off_mm, self._kit.range_mm, unsteady=self._window.unsteady
         )
-        why_not: WhyNot | None = "no_length_here" if ActName.STORE not in now.acts else _why_not(state)
+        why_not: WhyNot | None = "no_length_here" if CommandName.STORE not in now.acts else _why_not(state)
         return LiveSample(
             time_s=time_s,
             length_mm=self._length_mm(reading, now) if usable else None,

@@ -13,11 +13,11 @@ from typing import Final
 from truepose.domain.cell import BallbarKit
 from truepose.domain.ledger import BALLBAR_OFF, BALLBAR_ON, EntryKind, LedgerEntry
 from truepose.messages.message import Text, message
-from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, Evidence
+from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, AttachmentEvidence
 from truepose.sessions.ballbar.live import Seen
 from truepose.sessions.ballbar.state import leaves_attached
-from truepose.sessions.devices import Rack
-from truepose.sessions.engine.commands import Act
+from truepose.sessions.devices import DeviceRegistry
+from truepose.sessions.engine.commands import OperatorCommand
 from truepose.sessions.errors import MissingDeviceError, NotNowError, ReasonMissingError
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -34,13 +34,13 @@ _SEEN_OFF: Final = message("session.bar.seen_off")
 class BarPutAway:
     """Judges confirmations of sessions without the ballbar by the bar in their cell."""
 
-    def __init__(self, sessions: SessionRepository, ledger: LedgerRepository, rack: Rack) -> None:
+    def __init__(self, sessions: SessionRepository, ledger: LedgerRepository, rack: DeviceRegistry) -> None:
         self._sessions = sessions
         self._ledger = ledger
         self._rack = rack
-        self._followed: tuple[int, Evidence] | None = None  # since the session was first confirmed
+        self._followed: tuple[int, AttachmentEvidence] | None = None  # since the session was first confirmed
 
-    async def judged(self, session_id: int, act: Act) -> Act:
+    async def judged(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
         """Return an act with why the ballbar counts as off, where that is to be put on record.
 
         Raises NotNowError where it reads a length; ReasonMissingError where it may be attached, was not seen
@@ -63,13 +63,13 @@ class BarPutAway:
             raise NotNowError(_LEFT_ON)
         return replace(act, ballbar_off=_why_off(seen, act)) if left_on else act
 
-    def _evidence(self, session_id: int, kit: BallbarKit | None) -> Evidence:
+    def _evidence(self, session_id: int, kit: BallbarKit | None) -> AttachmentEvidence:
         """Return what was seen of it since the session was first confirmed."""
         if self._followed is None or self._followed[0] != session_id:
-            self._followed = session_id, Evidence((kit or BallbarKit()).range_mm)
+            self._followed = session_id, AttachmentEvidence((kit or BallbarKit()).range_mm)
         return self._followed[1]
 
-    async def _looked_at(self, ballbar: Ballbar, evidence: Evidence) -> Seen:
+    async def _looked_at(self, ballbar: Ballbar, evidence: AttachmentEvidence) -> Seen:
         was_open = ballbar.connected
         try:
             return await self._sampled(ballbar, evidence)
@@ -83,7 +83,7 @@ class BarPutAway:
                 with contextlib.suppress(DriverError):
                     await ballbar.close()
 
-    async def _sampled(self, ballbar: Ballbar, evidence: Evidence) -> Seen:
+    async def _sampled(self, ballbar: Ballbar, evidence: AttachmentEvidence) -> Seen:
         if not ballbar.connected:
             await ballbar.connect()
         for _ in range(_SAMPLES):
@@ -113,7 +113,7 @@ class BarPutAway:
         await self._ledger.append(session_id, LedgerEntry(BALLBAR_ON, EntryKind.NOTED, time_s, text=_READ))
 
 
-def _why_off(seen: Seen, act: Act) -> Text:
+def _why_off(seen: Seen, act: OperatorCommand) -> Text:
     if seen != "unknown":
         return _SEEN_OFF
     reason = act.reason.strip()

@@ -27,16 +27,16 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator, precalibrated
-from truepose.sessions.ballbar.command_handlers import ActHandlers
+from truepose.sessions.ballbar.command_handlers import CommandHandlers
 from truepose.sessions.ballbar.dry_run import check_plan, check_structure
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.live import LiveSample
-from truepose.sessions.ballbar.motion_interlock import Motion, RestMonitor
+from truepose.sessions.ballbar.motion_interlock import InterlockedMotion, RestMonitor
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation, situation_of
 from truepose.sessions.ballbar.state import NEEDS_BALLBAR_OFF, BallbarRecord
 from truepose.sessions.ballbar.transitions import Transitions
-from truepose.sessions.engine.commands import Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.interlocks import end_of_motion, motion_limits
 from truepose.sessions.engine.ledger import IdentityCheck, Ledger, Logbook
@@ -91,11 +91,13 @@ class BallbarRunner(SessionRunner[Situation]):
         self._rest = RestMonitor(cell, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
         identities = IdentityCheck(cell.expected, logbook)
-        self._motion = Motion(plan, kit, cell, limits, logbook, halts, identities, self._rest, self._readings)
+        self._motion = InterlockedMotion(
+            plan, kit, cell, limits, logbook, halts, identities, self._rest, self._readings
+        )
         self._transitions = Transitions(
             kit, judges or Judges(), logbook, self._readings, self._rest, self._motion, identities
         )
-        self._handlers = ActHandlers(self._transitions, halts, cell.clock)
+        self._handlers = CommandHandlers(self._transitions, halts, cell.clock)
         last = _last_length(entries)
         if last is not None:  # it may still be connected where it was stored
             length, step_id = last
@@ -108,17 +110,17 @@ class BallbarRunner(SessionRunner[Situation]):
 
     # what the engine asks for
 
-    def require(self, act: Act) -> None:
+    def require(self, act: OperatorCommand) -> None:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where an act is not allowed now."""
         self._handlers.require(act)
 
-    def lets_move(self, act: Act) -> bool:
+    def lets_move(self, act: OperatorCommand) -> bool:
         """Return whether the arm may move after an act; of what is done by hand a word is no such act."""
         step = self.situation.step
         by_hand = step is not None and step.kind is not StepKind.MOVE and self._runs
-        return super().lets_move(act) and not (by_hand and act.name is ActName.CONFIRM)
+        return super().lets_move(act) and not (by_hand and act.name is CommandName.CONFIRM)
 
-    async def prepare(self, act: Act) -> None:
+    async def prepare(self, act: OperatorCommand) -> None:
         """Have what is done rest on samples that were taken since the button was pressed.
 
         A length that is stored by hand does, and so does the word that the ballbar is off. The ledger is not
@@ -127,19 +129,19 @@ class BallbarRunner(SessionRunner[Situation]):
         # A repeated request has its answer already, and must not wait for samples of another moment.
         if self._logbook.knows(act.key):
             return
-        if act.name is ActName.STORE:
+        if act.name is CommandName.STORE:
             # First what can be refused at once: nobody waits two seconds to hear that another tablet acts.
             self.require(act)
             await self._readings.fresh()
         step = self.situation.step
         asks_for_off = step is not None and step.kind in NEEDS_BALLBAR_OFF
-        if act.name is ActName.CONFIRM and self._runs and asks_for_off:
+        if act.name is CommandName.CONFIRM and self._runs and asks_for_off:
             self.require(act)
             with contextlib.suppress(DriverError):  # then nothing is known of it
                 await self._readings.ask()  # it may have been exchanged behind a link that stays up
             await self._readings.settle()
 
-    async def do(self, act: Act) -> ActOutcome:
+    async def do(self, act: OperatorCommand) -> CommandOutcome:
         """Do what an act asks for; raises NotNowError, ReasonMissingError, PlanRefusedError."""
         return await self._handlers.do(act)
 

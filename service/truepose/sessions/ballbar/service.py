@@ -17,19 +17,19 @@ from truepose.domain.session import SessionState
 from truepose.messages.message import message
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
 from truepose.sessions.ballbar.dry_run import check_plan
-from truepose.sessions.ballbar.planning import BallbarWish, judged, kit_of
+from truepose.sessions.ballbar.planning import BallbarPlanRequest, judged, kit_of
 from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.situation import Situation, situation
 from truepose.sessions.ballbar.valid_readings import counting
-from truepose.sessions.controller import ServedKind
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.controller import SessionController
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.requests import RequestsUnderWay
-from truepose.sessions.service import Attendance, SessionDesk
+from truepose.sessions.service import Attendance, SessionService
 from truepose.storage.ledger.entries import SessionLedger
 from truepose.storage.queries import Part
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
@@ -79,11 +79,11 @@ NOBODY_RUNS: Final = message("session.program_stopped")
 _REMEMBERED: Final = 8  # sessions whose plan and judges wait in memory for the next look at them
 _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
 MakePreCalibrator: TypeAlias = Callable[[SessionSetup], PreCalibrator]
-ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
+ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarPlanRequest], Awaitable[BallbarPlan]]
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
 
-class BallbarSessions(ServedKind[BallbarRunner]):
+class BallbarSessions(SessionController[BallbarRunner]):
     """Sessions in which a person in the cell connects the ballbar."""
 
     roles = frozenset({"ballbar"})
@@ -94,7 +94,7 @@ class BallbarSessions(ServedKind[BallbarRunner]):
 
     def __init__(
         self,
-        desk: SessionDesk,
+        desk: SessionService,
         make_precalibrator: MakePreCalibrator,
         choose: ChoosePoses,
         make_runner: MakeRunner = BallbarRunner,
@@ -108,7 +108,7 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         self._plans = RequestsUnderWay[int](kept_s=_PLAN_KEPT_S)
 
     async def plan(
-        self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None = None
+        self, name: str, setup: SessionSetup, wish: BallbarPlanRequest, key: RequestKey | None = None
     ) -> int:
         """Store a planned session and return its number.
 
@@ -124,12 +124,16 @@ class BallbarSessions(ServedKind[BallbarRunner]):
             return made
         return await self._plans.shared(key.key, key, lambda: self._plan_once(name, setup, wish, key))
 
-    async def _plan_once(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey) -> int:
+    async def _plan_once(
+        self, name: str, setup: SessionSetup, wish: BallbarPlanRequest, key: RequestKey
+    ) -> int:
         """Plan unless that was done between the question whether it was and the answer."""
         made = await self.desk.sessions.answered(key)
         return await self._plan(name, setup, wish, key) if made is None else made
 
-    async def _plan(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None) -> int:
+    async def _plan(
+        self, name: str, setup: SessionSetup, wish: BallbarPlanRequest, key: RequestKey | None
+    ) -> int:
         plan = wish.given or await self._choose(setup, wish)
         await self.require_possible(setup, plan)
         given = plan is wish.given
@@ -183,10 +187,10 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         """Return what a session does; raises NotFoundError."""
         return await self.desk.sessions.ballbar_plan(session_id)
 
-    def require_startable(self, record: SessionRecord, act: Act) -> None:
+    def require_startable(self, record: SessionRecord, act: OperatorCommand) -> None:
         """Raise NotNowError where a session has ended, or is planned and would not be started."""
         planned = record.state is SessionState.PLANNED
-        if has_ended(record.state) or (planned and act.name is not ActName.START):
+        if has_ended(record.state) or (planned and act.name is not CommandName.START):
             raise NotNowError(
                 message(
                     "session.refused.session_act", session=record.id, state=words(record.state), act=act.name
@@ -208,7 +212,7 @@ class BallbarSessions(ServedKind[BallbarRunner]):
             judges=fixed.sight.judges,
         )
 
-    async def admit(self, session_id: int, act: Act) -> Act:
+    async def admit(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
         """Return an act with why the ballbar counts as off; see `BarPutAway`."""
         return await self._removal.judged(session_id, act)
 

@@ -28,7 +28,7 @@ from truepose.sessions.ballbar.allowed_commands import acts_allowed
 from truepose.sessions.ballbar.dry_run import BallbarProgress, pace_s_per_reading, remaining_s
 from truepose.sessions.ballbar.plan import MAX_ATTEMPTS, Course, forecast_of, steps, ways
 from truepose.sessions.ballbar.state import READINGS, BallbarRecord, OpenSuspicion, Outcome
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.identity_check import KnownDevice, sentence
 from truepose.sessions.engine.progress import ActingTablet
 from truepose.sessions.engine.prompts import CELL_CLEAR
@@ -61,7 +61,7 @@ class Situation:
     last_stop: str | None  # the step that brought the arm to rest last, wherever it is now
     arrival: ArrivalTaken | None
     back_to: str | None  # the step that Back reopens; None: there is no way back
-    acts: frozenset[ActName]
+    acts: frozenset[CommandName]
     progress: BallbarProgress
     last: tuple[str, Outcome] | None  # the step that ended last, and how
     ballbar: KnownDevice

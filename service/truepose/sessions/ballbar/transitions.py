@@ -14,11 +14,11 @@ from truepose.domain.session import IdentityTaken, SessionState
 from truepose.messages.message import Message, Text, as_sentence, message, together
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.length_check import Judges, doubt
-from truepose.sessions.ballbar.motion_interlock import Motion, RestMonitor
+from truepose.sessions.ballbar.motion_interlock import InterlockedMotion, RestMonitor
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import Act
+from truepose.sessions.engine.commands import OperatorCommand
 from truepose.sessions.engine.identity_check import accepted, same_number, sentence
 from truepose.sessions.engine.ledger import IdentityCheck, Logbook
 from truepose.sessions.errors import ForeignRobotError, NotNowError
@@ -38,7 +38,7 @@ class Transitions:
     logbook: Logbook[Situation]
     readings: Readings
     rest: RestMonitor
-    motion: Motion
+    motion: InterlockedMotion
     identities: IdentityCheck
     entered: bool = False  # the robot was found where it should be since the session last began to run
 
@@ -67,7 +67,7 @@ class Transitions:
         elif self._prompt_is_due():
             await self.show()
 
-    async def show(self, act: Act | None = None, text: Text = "") -> int:
+    async def show(self, act: OperatorCommand | None = None, text: Text = "") -> int:
         """Put the present prompt, on record first; returns the number of its line."""
         step = self.now.step
         number = await self.logbook.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
@@ -77,7 +77,9 @@ class Transitions:
             self.readings.evidence.expect_length()
         return number
 
-    async def store(self, taken: LengthTaken, act: Act | None = None) -> tuple[int, Suspicion | None]:
+    async def store(
+        self, taken: LengthTaken, act: OperatorCommand | None = None
+    ) -> tuple[int, Suspicion | None]:
         """Keep a length for the present step, or the doubt about it; returns the line and the doubt."""
         # Asked just before it is kept: a bar that was exchanged behind its link has given the whole length
         # (decision 0020).

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import count
 
-from truepose.analysis.campaigns.ballbar import Counting, LegKept, RestPose, SetupKept, SideKept
+from truepose.analysis.campaigns.ballbar import RestPose, ValidCupSetup, ValidLength, ValidReadings, ValidSide
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
 from truepose.domain.cell import BallbarKit
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -12,7 +12,7 @@ from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.situation import Situation, situation
 
 
-def counting(plan: BallbarPlan, kit: BallbarKit, entries: Sequence[LedgerEntry]) -> Counting:
+def counting(plan: BallbarPlan, kit: BallbarKit, entries: Sequence[LedgerEntry]) -> ValidReadings:
     """Return the readings of a session that count, in the order of its steps.
 
     Readings of a pose that a pre-calibration found exchanged do not count, those taken afterwards do.
@@ -20,7 +20,7 @@ def counting(plan: BallbarPlan, kit: BallbarKit, entries: Sequence[LedgerEntry])
     found = situation(plan, kit, entries)
     legs = tuple(_legs(found))
     confused = _confused(entries)
-    return Counting(
+    return ValidReadings(
         legs=tuple(kept for step_id, kept in legs if step_id not in confused),
         sides=tuple(_sides(found)),
         setups=tuple(_setups(found)),
@@ -74,7 +74,7 @@ class _StopNumbers:
         return self._given[config, attempt]
 
 
-def _legs(found: Situation) -> Iterator[tuple[str, LegKept]]:
+def _legs(found: Situation) -> Iterator[tuple[str, ValidLength]]:
     stops = _StopNumbers(found)
     for step in found.steps:
         length = found.outcomes[step.id].length
@@ -85,23 +85,23 @@ def _legs(found: Situation) -> Iterator[tuple[str, LegKept]]:
             stop = stops.of(step.config, step.attempt)
             yield (
                 step.id,
-                LegKept(step.placement, step.config, step.attempt, step.points, length, arrival, stop),
+                ValidLength(step.placement, step.config, step.attempt, step.points, length, arrival, stop),
             )
 
 
-def _sides(found: Situation) -> Iterator[SideKept]:
+def _sides(found: Situation) -> Iterator[ValidSide]:
     for step in found.steps:
         length = found.outcomes[step.id].length
         if step.kind is StepKind.MEASURE_SIDE and length is not None and step.points is not None:
-            yield SideKept(step.placement or 0, step.points, length)
+            yield ValidSide(step.placement or 0, step.points, length)
 
 
-def _setups(found: Situation) -> Iterator[SetupKept]:
+def _setups(found: Situation) -> Iterator[ValidCupSetup]:
     for step in found.steps:
         arrival = _arrival(found, step)
         clamped = step.kind is StepKind.CLAMP_CUP and found.outcomes[step.id].kind == "confirmed"
         if clamped and arrival is not None and step.placement is not None and step.base_point is not None:
-            yield SetupKept(step.placement, step.base_point, arrival)
+            yield ValidCupSetup(step.placement, step.base_point, arrival)
 
 
 def _arrival(found: Situation, step: BallbarStep) -> ArrivalTaken | None:

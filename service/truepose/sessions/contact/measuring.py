@@ -187,7 +187,7 @@ _MOST_NUDGES: Final = 6
 _NEAR_RAD: Final = 0.05  # about a stop, hence perhaps in touch with its target
 
 
-class Visiting:
+class ContactMeasurement:
     """Goes to stops and reads the gauges there."""
 
     def __init__(self, plan: ContactPlan, cell: ContactCell, arm: Arm, gauges: Gauges) -> None:

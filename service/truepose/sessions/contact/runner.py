@@ -15,7 +15,7 @@ from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
 from truepose.messages.message import message, together
 from truepose.sessions.contact.dry_run import check_plan
-from truepose.sessions.contact.measuring import ContactCell, Gauges, Visiting
+from truepose.sessions.contact.measuring import ContactCell, ContactMeasurement, Gauges
 from truepose.sessions.contact.state import (
     OPEN,
     ContactRecord,
@@ -27,7 +27,7 @@ from truepose.sessions.contact.state import (
     situation_of,
 )
 from truepose.sessions.engine.arm import Arm
-from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.identity_check import same_number, told
 from truepose.sessions.engine.interlocks import binding_speed, end_of_motion, motion_limits, speed_sentence
@@ -79,7 +79,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             self._permission,
         )
         self._gauges = Gauges(cell.gauges, cell.clock, plan)
-        self._visiting = Visiting(plan, cell, self._arm, self._gauges)
+        self._visiting = ContactMeasurement(plan, cell, self._arm, self._gauges)
 
     @property
     def has_asked(self) -> bool:
@@ -98,11 +98,11 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
 
     # what a person asks for
 
-    async def do(self, act: Act) -> ActOutcome:
+    async def do(self, act: OperatorCommand) -> CommandOutcome:
         """Do what an act asks for; raises NotNowError."""
         if act.name in HALTS:
             return await self._halts.halt(act)
-        if act.name is ActName.START:
+        if act.name is CommandName.START:
             return self._asked_now()
         number = await self._logbook.enter(
             SessionState.RUNNING, message("session.went_on", person=tidy_name(act.person)), act
@@ -110,7 +110,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         self._halts.forget()
         self._arm.forget()
         self._visiting.forget()
-        return ActOutcome(message("session.done.confirmed"), number)
+        return CommandOutcome(message("session.done.confirmed"), number)
 
     # what the run does
 

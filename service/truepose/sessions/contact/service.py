@@ -13,13 +13,13 @@ from truepose.domain.contacts import ContactPlan, ContactTaken
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.message import Text, message
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.plan_request import ContactWish
+from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import PlanningError
 from truepose.planning.workspace.bodies import Ways, bodies_of, what_blocks_a_way, what_to_watch
 from truepose.sessions.contact.dry_run import check_plan
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
-from truepose.sessions.controller import AskedSessionKind
+from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.errors import MissingDeviceError, PlanRefusedError
@@ -28,7 +28,7 @@ from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
 
-class ContactSessions(AskedSessionKind[ContactRunner]):
+class ContactSessions(PromptingSessionController[ContactRunner]):
     """Sessions in which gauges are read against targets that stand still."""
 
     roles = frozenset({"contacts"})
@@ -36,7 +36,7 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
     no_tracker = "session.refused.no_tracker"
 
     async def plan(
-        self, name: str, setup: SessionSetup, wanted: ContactWish, key: RequestKey | None = None
+        self, name: str, setup: SessionSetup, wanted: ContactPlanRequest, key: RequestKey | None = None
     ) -> int:
         """Store a planned session and return its number; nothing moves.
 
@@ -118,7 +118,7 @@ def _judged(cell: Cell, plan: ContactPlan) -> Text:
     return what_to_watch(bodies, ways)
 
 
-def _chosen(cell: Cell, wanted: ContactWish) -> ContactPlan:
+def _chosen(cell: Cell, wanted: ContactPlanRequest) -> ContactPlan:
     try:
         return plan_of(cell, wanted)
     except (PlanningError, ConfigurationError) as error:

@@ -8,7 +8,7 @@ from truepose.domain.session import SessionState
 from truepose.messages.message import Text
 
 
-class ActName(StrEnum):
+class CommandName(StrEnum):
     """One button."""
 
     START = "start"
@@ -26,10 +26,10 @@ class ActName(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Act:
+class OperatorCommand:
     """One button pressed by somebody on some tablet."""
 
-    name: ActName
+    name: CommandName
     person: str
     tablet: str = ""
     key: str | None = None  # idempotency key: the same key again does nothing again
@@ -44,7 +44,7 @@ class Act:
 
 
 @dataclass(frozen=True, slots=True)
-class ActOutcome:
+class CommandOutcome:
     """What came of an act."""
 
     sentence: Text
@@ -52,10 +52,17 @@ class ActOutcome:
 
 
 # Halts and revisions are not among them: whoever asks for one need not have looked at the cell.
-LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it
-ANSWERS: Final = frozenset({ActName.CONFIRM, ActName.RESUME})  # to the question that is open, where one is
+LETS_MOVE: Final = frozenset({
+    CommandName.START,
+    CommandName.CONFIRM,
+    CommandName.RESUME,
+})  # the arm may move after it
+ANSWERS: Final = frozenset({
+    CommandName.CONFIRM,
+    CommandName.RESUME,
+})  # to the question that is open, where one is
 HALTS: Final = {  # for everybody, and the state that each of them leads to
-    ActName.PAUSE: SessionState.PAUSED,
-    ActName.STOP: SessionState.AWAITING_CONFIRMATION,
-    ActName.ABORT: SessionState.ABORTED,
+    CommandName.PAUSE: SessionState.PAUSED,
+    CommandName.STOP: SessionState.AWAITING_CONFIRMATION,
+    CommandName.ABORT: SessionState.ABORTED,
 }

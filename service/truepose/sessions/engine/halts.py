@@ -11,20 +11,20 @@ from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.message import Message, Text, message, together
-from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.ledger import Logbook
 from truepose.sessions.errors import SessionError
 
 _ASKED: Final = {
-    ActName.PAUSE: message("session.pause_asked"),
-    ActName.STOP: message("session.stopped"),
-    ActName.ABORT: message("session.end_asked"),
+    CommandName.PAUSE: message("session.pause_asked"),
+    CommandName.STOP: message("session.stopped"),
+    CommandName.ABORT: message("session.end_asked"),
 }
 # What whoever asks is told: how the session takes it, and when the arm comes to rest, as parts of a sentence.
 _ANSWERS: Final = {
-    ActName.PAUSE: message("session.halt.pauses"),
-    ActName.STOP: message("session.halt.stopped"),
-    ActName.ABORT: message("session.halt.ends"),
+    CommandName.PAUSE: message("session.halt.pauses"),
+    CommandName.STOP: message("session.halt.stopped"),
+    CommandName.ABORT: message("session.halt.ends"),
 }
 ENDED_AT_REST = message("session.ended_at_rest")
 
@@ -50,7 +50,7 @@ class Halts:
         """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
         return self._end()
 
-    def not_on_record(self, act: Act) -> Message:
+    def not_on_record(self, act: OperatorCommand) -> Message:
         """Return what is said of a halt that holds and cannot be kept yet."""
         return message("session.halt.not_on_record", halt=_ANSWERS[act.name], end=self.end)
 
@@ -61,7 +61,7 @@ class Halts:
         if self.wish is not SessionState.ABORTED:
             self.wish = None
 
-    async def halt(self, act: Act) -> ActOutcome:
+    async def halt(self, act: OperatorCommand) -> CommandOutcome:
         """Enter the state that is asked for, or have it entered when the motion under way has ended."""
         state, answer = HALTS[act.name], _ANSWERS[act.name]
         reason = together(_ASKED[act.name], act.reason.strip())
@@ -71,14 +71,14 @@ class Halts:
             self.wish = state
             between = SessionState.ABORTING if state is SessionState.ABORTED else SessionState.PAUSING
             number = await self._append(between, reason, act)
-            return ActOutcome(message("session.halt.later", halt=answer, end=self.end), number)
+            return CommandOutcome(message("session.halt.later", halt=answer, end=self.end), number)
         number = await self._halt_at_rest(act, state, reason)
         self.wish = None  # on record from here on
         ended = state is SessionState.ABORTED
         at_rest = message("session.halt.at_rest", halt=answer)
-        return ActOutcome(ENDED_AT_REST if ended else at_rest, number)
+        return CommandOutcome(ENDED_AT_REST if ended else at_rest, number)
 
-    async def _halt_at_rest(self, act: Act, state: SessionState, reason: Text) -> int:
+    async def _halt_at_rest(self, act: OperatorCommand, state: SessionState, reason: Text) -> int:
         book = self._logbook
         if state is not SessionState.ABORTED:
             return await book.enter(state, self._effects.get(state, reason), act)
@@ -89,7 +89,7 @@ class Halts:
             return number
         return await book.enter(state, reason, act)
 
-    async def _append(self, state: SessionState, reason: Text, act: Act) -> int:
+    async def _append(self, state: SessionState, reason: Text, act: OperatorCommand) -> int:
         return await self._logbook.append(EntryKind.CONTROL, act=act, entered=state, text=reason)
 
     async def take_effect(self) -> bool:
@@ -121,21 +121,21 @@ class PendingHalts:
         self,
         logbook: Logbook[Any],
         halts: Halts,
-        act: Callable[[Act], Awaitable[object]],
+        act: Callable[[OperatorCommand], Awaitable[object]],
         waits: Waits,
     ) -> None:
         self._logbook = logbook
         self._halts = halts
         self._act = act
         self._waits = waits
-        self.owed: Act | None = None
+        self.owed: OperatorCommand | None = None
 
     @property
     def due(self) -> bool:
         """Whether anything waits for the ledger, so that nothing may move."""
         return self.owed is not None or self._logbook.trouble is not None
 
-    def owe(self, act: Act) -> None:
+    def owe(self, act: OperatorCommand) -> None:
         """Have a halt hold that was refused; where nothing could move it was not done."""
         # Something may be in motion, so that the halt has to hold. Where the session waits for a person
         # nothing moves anyway: an end that is owed there would come upon a session that somebody has gone on

@@ -11,7 +11,7 @@ from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState
 from truepose.messages.message import Message, Text, message
-from truepose.sessions.engine.commands import Act, ActOutcome
+from truepose.sessions.engine.commands import CommandOutcome, OperatorCommand
 from truepose.sessions.engine.identity_check import judge, sentence
 from truepose.sessions.engine.progress import Record
 from truepose.sessions.engine.states import ASKS, after_restart, require_transition
@@ -64,7 +64,7 @@ class Logbook(Generic[S]):
         if self._restarted_as is not None:
             # In memory at once, on record by `open`: nothing may be done in the state of an earlier run.
             record.enter(self._restarted_as, RESTARTED)
-        self._outcomes: dict[str, ActOutcome] = {}  # by key, of this run
+        self._outcomes: dict[str, CommandOutcome] = {}  # by key, of this run
         self._changed = asyncio.Event()
         # Whoever appends looks at the situation first; without the lock two acts could both find what only
         # one of them may do.
@@ -107,7 +107,9 @@ class Logbook(Generic[S]):
         """Whether an earlier run had begun the session, and that is not on record yet."""
         return self._restarted_as is not None
 
-    async def append(self, kind: EntryKind, step_id: str = "", act: Act | None = None, **fields: Any) -> int:
+    async def append(
+        self, kind: EntryKind, step_id: str = "", act: OperatorCommand | None = None, **fields: Any
+    ) -> int:
         """Keep a line; returns its number. What follows from it is seen once it is on disk.
 
         Raises RecordRefusedError where it cannot be kept now; then it was not, and nothing follows.
@@ -195,19 +197,24 @@ class Logbook(Generic[S]):
         self.tell()
 
     async def enter(
-        self, state: SessionState, reason: Text, act: Act | None = None, step_id: str = "", **fields: Any
+        self,
+        state: SessionState,
+        reason: Text,
+        act: OperatorCommand | None = None,
+        step_id: str = "",
+        **fields: Any,
     ) -> int:
         """Record a change of state; raises NotNowError where no such change is possible."""
         require_transition(self.state, state)
         return await self.append(EntryKind.CONTROL, step_id, act, entered=state, text=reason, **fields)
 
-    def keep_outcome(self, key: str | None, outcome: ActOutcome) -> ActOutcome:
+    def keep_outcome(self, key: str | None, outcome: CommandOutcome) -> CommandOutcome:
         """Remember what came of a request."""
         if key is not None:
             self._outcomes[key] = outcome
         return outcome
 
-    async def earlier_outcome(self, key: str | None) -> ActOutcome | None:
+    async def earlier_outcome(self, key: str | None) -> CommandOutcome | None:
         """Return what came of a request with this key before; None where it is new."""
         if key is None or key in self._outcomes:
             return None if key is None else self._outcomes[key]
@@ -216,7 +223,7 @@ class Logbook(Generic[S]):
             return None
         # Only the ledger knows the number of a line of an earlier run; it answers a key that it has with that
         # number, and appends nothing.
-        return ActOutcome(_KEPT_BEFORE, await self._ledger.append(self._entries[place]))
+        return CommandOutcome(_KEPT_BEFORE, await self._ledger.append(self._entries[place]))
 
     def knows(self, key: str | None) -> bool:
         """Whether a request with this key was answered, in this run or in an earlier one."""

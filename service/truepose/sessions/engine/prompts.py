@@ -6,7 +6,7 @@ from typing import Final
 
 from truepose.domain.people import announced_as, fault_of_name, tidy_name
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import (
     PersonMissingError,
     PersonUnknownError,
@@ -22,7 +22,7 @@ class Prompt:
 
     id: int  # of the line of the ledger that asks it: no other prompt has it
     message: Text
-    answered_by: ActName
+    answered_by: CommandName
     leads_to: tuple[int, ...] = ()  # configurations to which the arm may go once it is answered
     people: tuple[str, ...] = ()  # whose answer counts; empty: of whoever gives a name
 

@@ -17,7 +17,7 @@ from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import BALLBAR_OFF, EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.commands import HALTS, LETS_MOVE, Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import HALTS, LETS_MOVE, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts, PendingHalts
 from truepose.sessions.engine.ledger import Logbook
 from truepose.sessions.engine.prompts import Prompt
@@ -111,7 +111,7 @@ class SessionRunner(ABC, Generic[S]):
         now, number = self.situation, self._logbook.prompt_id
         if now.question is None or number is None:
             return None
-        answer = ActName.RESUME if self.state is SessionState.PAUSED else ActName.CONFIRM
+        answer = CommandName.RESUME if self.state is SessionState.PAUSED else CommandName.CONFIRM
         return Prompt(number, now.question, answer, now.leads_to)
 
     @property
@@ -146,18 +146,18 @@ class SessionRunner(ABC, Generic[S]):
     # what a kind of session does in its own way; who calls `do`, `settle` and `hold` holds `changing`
 
     @abstractmethod
-    def require(self, act: Act) -> None:
+    def require(self, act: OperatorCommand) -> None:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where an act is not allowed now."""
 
-    def lets_move(self, act: Act) -> bool:
+    def lets_move(self, act: OperatorCommand) -> bool:
         """Return whether the arm may move after an act."""
         return act.name in LETS_MOVE
 
-    async def prepare(self, act: Act) -> None:
+    async def prepare(self, act: OperatorCommand) -> None:
         """Wait for what an act rests on, before it counts."""
 
     @abstractmethod
-    async def do(self, act: Act) -> ActOutcome:
+    async def do(self, act: OperatorCommand) -> CommandOutcome:
         """Do what an act asks for; raises NotNowError and its like where nothing was done."""
 
     async def begin(self) -> None:
@@ -199,7 +199,7 @@ class SessionRunner(ABC, Generic[S]):
 
     # the same for every kind
 
-    async def act(self, act: Act) -> ActOutcome:
+    async def act(self, act: OperatorCommand) -> CommandOutcome:
         """Do what a person asks, once for each key; the outcome is on disk when this returns.
 
         Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
@@ -226,7 +226,7 @@ class SessionRunner(ABC, Generic[S]):
                 self._require_just_pressed(act)
                 # "Confirm" is one word for two things: that a step is done, and that the session may go on.
                 # One that was sent for the former must not be taken for the latter (decision 0018).
-                if act.name is ActName.CONFIRM and was_running != self._runs:
+                if act.name is CommandName.CONFIRM and was_running != self._runs:
                     raise NotNowError(  # what was confirmed is not what is asked now
                         message("session.refused.changed_meanwhile", state=words(self.state))
                     )
@@ -251,7 +251,7 @@ class SessionRunner(ABC, Generic[S]):
         finally:
             self._logbook.tell()
 
-    async def ask(self, act: Act) -> ActOutcome:
+    async def ask(self, act: OperatorCommand) -> CommandOutcome:
         """As `act`; a halt that holds although it cannot be kept yet is answered all the same."""
         try:
             return await self.act(act)
@@ -259,7 +259,7 @@ class SessionRunner(ABC, Generic[S]):
             # The same act and not an equal one: only this one is known to hold.
             if self._pending.owed is not act:
                 raise
-            return ActOutcome(self._halts.not_on_record(act), None)
+            return CommandOutcome(self._halts.not_on_record(act), None)
 
     async def run(self) -> SessionState:
         """Run to the end and return the state it ended in; first a person has to let it.
@@ -306,26 +306,26 @@ class SessionRunner(ABC, Generic[S]):
     def _runs(self) -> bool:
         return self.state is SessionState.RUNNING
 
-    def _require_prompt(self, act: Act) -> None:
+    def _require_prompt(self, act: OperatorCommand) -> None:
         """Raise NotNowError where a person lets the session go on who saw another question."""
         asked = None if self.prompt is None else self.prompt.id
         if act.name in LETS_MOVE and act.prompt_id not in {None, asked}:
             raise NotNowError(message("session.refused.other_prompt", prompt=act.prompt_id))
 
-    def _require_just_pressed(self, act: Act) -> None:
+    def _require_just_pressed(self, act: OperatorCommand) -> None:
         """Raise NotNowError where the person pressed it who looked at the cell a while ago."""
         # A browser that gives a request up leaves its bytes with the network, which delivered a confirmation
         # minutes later, and the robot moved (commit de3038be).
         if self.lets_move(act) and not abs(act.under_way_s) <= _JUST_NOW_S:
             raise NotNowError(message("session.refused.pressed_before"))
 
-    async def _note_ballbar(self, act: Act) -> None:
+    async def _note_ballbar(self, act: OperatorCommand) -> None:
         """Put on record why the ballbar of an earlier session counts as off, before the arm is let move."""
         if act.ballbar_off:
             of_it = replace(act, key=None)  # the key is that of the line which the act itself makes
             await self._logbook.append(EntryKind.NOTED, BALLBAR_OFF, of_it, text=act.ballbar_off)
 
-    def _wish_at_once(self, act: Act) -> bool:
+    def _wish_at_once(self, act: OperatorCommand) -> bool:
         """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""
         if act.name not in HALTS or self._logbook.knows(act.key) or self._halts.wish is not None:
             return False

@@ -8,7 +8,7 @@ from truepose.domain.errors import text_of
 from truepose.domain.session import Progress, SessionState
 from truepose.messages.message import Text, message, together
 from truepose.sessions.engine.arm import Permission
-from truepose.sessions.engine.commands import Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.progress import FINISHED
 from truepose.sessions.engine.prompts import CELL_CLEAR, Prompt, require_person
 from truepose.sessions.engine.runner import SessionRunner, Situation
@@ -33,8 +33,8 @@ class UnattendedSituation(Situation, Protocol):
 S = TypeVar("S", bound=UnattendedSituation)
 
 _WAITS_IN: Final = {
-    ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
-    ActName.RESUME: SessionState.PAUSED,
+    CommandName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
+    CommandName.RESUME: SessionState.PAUSED,
 }
 
 
@@ -61,18 +61,18 @@ class UnattendedRunner(SessionRunner[S]):
         """Why the session ends where nothing is left to do."""
         return message("session.all_measured")
 
-    def require(self, act: Act) -> None:
+    def require(self, act: OperatorCommand) -> None:
         """Raise NotNowError, PersonMissingError where an act is not allowed now."""
-        if act.name is ActName.START:
+        if act.name is CommandName.START:
             require_person(act.person)
             if self.state is not SessionState.AWAITING_CONFIRMATION:
                 raise NotNowError(message("session.refused.only_planned", state=words(self.state)))
         # A stop after a pause is more: it wants a confirmation instead of a resumption.
-        elif act.name is ActName.STOP and self.state is SessionState.PAUSING:
+        elif act.name is CommandName.STOP and self.state is SessionState.PAUSING:
             return
-        elif act.name in {ActName.PAUSE, ActName.STOP}:
+        elif act.name in {CommandName.PAUSE, CommandName.STOP}:
             require_transition(self.state, SessionState.PAUSING)
-        elif act.name is ActName.ABORT:
+        elif act.name is CommandName.ABORT:
             if self._ended or self.state is SessionState.ABORTING:
                 raise NotNowError(message("session.refused.already", state=words(self.state)))
         else:
@@ -84,9 +84,9 @@ class UnattendedRunner(SessionRunner[S]):
                     message("session.refused.nothing_to_do", state=words(self.state), act=act.name)
                 )
 
-    def _asked_now(self) -> ActOutcome:
+    def _asked_now(self) -> CommandOutcome:
         asked = self.prompt
-        return ActOutcome("", None) if asked is None else ActOutcome(asked.message, asked.id)
+        return CommandOutcome("", None) if asked is None else CommandOutcome(asked.message, asked.id)
 
     def _permission(self, _: float) -> Permission:
         # Wishes count before they are on record; the state alone would let one more motion pass.

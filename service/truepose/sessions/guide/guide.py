@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, cast
 
 from truepose.analysis.campaigns.tracker import MeasuredSession
-from truepose.analysis.job_queue.accuracy_tasks import Outlook, OutlookTask
+from truepose.analysis.job_queue.accuracy_tasks import OutlookTask, SessionForecast
 from truepose.analysis.job_queue.supervisor import Perform, Turns
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -13,7 +13,7 @@ from truepose.domain.session import IdentityTaken, Progress, SessionPlan, Sessio
 from truepose.messages.message import Text
 from truepose.sessions.contact.state import OPEN, ContactRecord, Open, Question, Visit
 from truepose.sessions.contact.state import situation_of as contact_situation
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.states import after_restart
 from truepose.sessions.service import Attendance
 from truepose.sessions.tracker.revisions import can_be_skipped, newest_stop
@@ -24,13 +24,13 @@ Plan: TypeAlias = SessionPlan | ContactPlan
 Kind: TypeAlias = Literal["tracker", "camera", "contacts"]
 StepName: TypeAlias = Literal["instruments", "warm-up", "world-frame", "fixed-nests", "stop", "question"]
 
-_ALWAYS: Final = frozenset({ActName.ABORT})
+_ALWAYS: Final = frozenset({CommandName.ABORT})
 _BY_STATE: Final = {
-    SessionState.PLANNED: frozenset({ActName.START, ActName.ABORT}),
-    SessionState.RUNNING: frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS}),
-    SessionState.PAUSING: frozenset({ActName.STOP, *_ALWAYS}),
-    SessionState.PAUSED: frozenset({ActName.RESUME, *_ALWAYS}),
-    SessionState.AWAITING_CONFIRMATION: frozenset({ActName.CONFIRM, *_ALWAYS}),
+    SessionState.PLANNED: frozenset({CommandName.START, CommandName.ABORT}),
+    SessionState.RUNNING: frozenset({CommandName.PAUSE, CommandName.STOP, *_ALWAYS}),
+    SessionState.PAUSING: frozenset({CommandName.STOP, *_ALWAYS}),
+    SessionState.PAUSED: frozenset({CommandName.RESUME, *_ALWAYS}),
+    SessionState.AWAITING_CONFIRMATION: frozenset({CommandName.CONFIRM, *_ALWAYS}),
 }
 
 
@@ -72,14 +72,14 @@ class LastStop:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class SessionStatus:
     """Where a session stands, by its plan and its ledger alone."""
 
     state: SessionState
     reason: Text
     step: GuideStep | None
     progress: Progress
-    acts: frozenset[ActName]
+    acts: frozenset[CommandName]
     last: LastStop | None
     identities: tuple[IdentityTaken, ...]
 
@@ -90,12 +90,12 @@ class Guide:
 
     id: int
     fixed: Fixed
-    standing: Standing
+    standing: SessionStatus
     attendance: Attendance
     tracker_in_question: IdentityTaken | None = None
 
 
-def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> Standing:
+def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> SessionStatus:
     """Return where a session stands after these lines; `runs`: a program does what is due."""
     record = TrackerRecord() if isinstance(fixed.plan, SessionPlan) else ContactRecord()
     for entry in entries:
@@ -103,14 +103,14 @@ def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> Sta
     return standing_of(fixed, record, runs=runs)
 
 
-def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> Standing:
+def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> SessionStatus:
     """Return where a session stands after what is on record."""
     step, progress, acts = _found(fixed, record)
     # A ledger that ends in "running" is of a service that was killed: nobody runs the session, and no page
     # may say so.
     state = record.state if runs else after_restart(record.state)
     allowed = _BY_STATE.get(state, frozenset())
-    return Standing(
+    return SessionStatus(
         state=state,
         reason=record.reason,
         step=step,
@@ -124,7 +124,7 @@ def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bo
 _REVISED_IN: Final = frozenset({
     SessionState.RUNNING, SessionState.PAUSING, SessionState.PAUSED, SessionState.AWAITING_CONFIRMATION,
 })  # fmt: skip
-_Found: TypeAlias = tuple[GuideStep | None, Progress, frozenset[ActName]]
+_Found: TypeAlias = tuple[GuideStep | None, Progress, frozenset[CommandName]]
 
 
 def _found(fixed: Fixed, record: TrackerRecord | ContactRecord) -> _Found:
@@ -140,12 +140,12 @@ def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) ->
     found = situation_of(plan, n_fixed_nests, record)
     acts = set()
     if can_be_skipped(found.step):
-        acts.add(ActName.SKIP)
+        acts.add(CommandName.SKIP)
     if newest_stop(record) is not None:
-        acts.add(ActName.RETRY)
+        acts.add(CommandName.RETRY)
     # Devices are opened by the session itself whenever that is needed.
     if record.ended and record.ended[-1] != OPENED:
-        acts.add(ActName.BACK)
+        acts.add(CommandName.BACK)
     step = found.step
     if step is None:
         return None, found.progress, frozenset(acts)
@@ -197,9 +197,9 @@ class Outlooks:
     def __init__(self, perform: Perform) -> None:
         self._perform = perform
         self._turns = Turns(at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
-        self._known: dict[int, tuple[tuple[int, int], Outlook]] = {}
+        self._known: dict[int, tuple[tuple[int, int], SessionForecast]] = {}
 
-    async def of(self, session: MeasuredSession, left: int) -> Outlook | None:
+    async def of(self, session: MeasuredSession, left: int) -> SessionForecast | None:
         """Return what a session promises, None before enough is measured; raises TrueposeError, BusyError."""
         if len(session.points) < FEWEST:
             return None
@@ -210,7 +210,7 @@ class Outlooks:
             known = self._known.get(session.id)
             if known is not None and known[0] == amounts:
                 return known[1]
-            found = cast(Outlook, await self._perform(OutlookTask(session, left), _nobody))
+            found = cast(SessionForecast, await self._perform(OutlookTask(session, left), _nobody))
             self._known[session.id] = amounts, found
             return found
 

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Sequence
 
 from truepose.analysis.campaigns.records import measured_session
-from truepose.analysis.job_queue.accuracy_tasks import Outlook
+from truepose.analysis.job_queue.accuracy_tasks import SessionForecast
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.ledger import LedgerEntry
 from truepose.messages.message import message
@@ -59,7 +59,7 @@ class GuidedSessions:
         config = None if step is None else step.config
         return await asyncio.to_thread(guided_scene, fixed, registration, config)
 
-    async def outlook(self, session_id: int) -> Outlook | None:
+    async def outlook(self, session_id: int) -> SessionForecast | None:
         """Return what the readings so far promise; None where they are too few, or none of a calibration.
 
         Raises as `guide`, and what the worker raises.

@@ -39,7 +39,7 @@ _HARMLESS: Final = (
 )
 
 
-class Looks:
+class ReflectorMonitor:
     """Asks a tracker where its reflector is; no answer of its driver is an error here.
 
     A look that goes wrong costs the link, and with it the measurement's next step: after one there are no
@@ -91,7 +91,7 @@ Near: TypeAlias = Literal["no_signal", "far", "near", "within"]
 
 
 @dataclass(frozen=True, slots=True)
-class Aim:
+class ExpectedReflector:
     """Where a reflector is expected."""
 
     expected_mm: Vector  # in the world
@@ -106,7 +106,7 @@ class Sighting:
     """One look at the reflector."""
 
     sampled_at_ms: int  # wall clock
-    aim: Aim | None  # None: no reflector is expected anywhere now
+    aim: ExpectedReflector | None  # None: no reflector is expected anywhere now
     delta_mm: Vector | None  # seen minus expected, in the world; None: it is not seen, or the place not known
     is_seen: bool
     is_moving: bool  # the arm is on its way
@@ -138,12 +138,12 @@ class Watch:
         self._logbook = logbook
         self._execution = execution
         points = plan.measures == "points"  # a camera follows no reflector
-        self._looks = Looks(cast(FullTracker, cell.tracker), plan.measure_s) if points else None
+        self._looks = ReflectorMonitor(cast(FullTracker, cell.tracker), plan.measure_s) if points else None
         self._newest: Sighting | None = None
         self._told = asyncio.Event()
         self._watchers = 0
         self._ended = False
-        self._aimed: Aim | None = None  # of a stop, which stays where it is
+        self._aimed: ExpectedReflector | None = None  # of a stop, which stays where it is
 
     async def follow(self) -> AsyncIterator[Sighting]:
         """Yield every look from now on until the session ends."""
@@ -190,29 +190,29 @@ class Watch:
             is_moving=self._execution.is_moving,
         )
 
-    def _delta(self, seen_mm: Vector, aim: Aim) -> Vector | None:
+    def _delta(self, seen_mm: Vector, aim: ExpectedReflector) -> Vector | None:
         world = self._execution.in_world(seen_mm)
         if world is None:
             return None
         x, y, z = np.subtract(world, aim.expected_mm).tolist()
         return x, y, z
 
-    def _aim(self) -> Aim | None:
+    def _aim(self) -> ExpectedReflector | None:
         fixed_nest = self._execution.fixed_nest
         if fixed_nest is not None:
             centre = self._cell.fixed_nests[fixed_nest - 1].centre_mm
-            return Aim(centre, self._plan.reference_limit_mm, fixed_nest=fixed_nest)
+            return ExpectedReflector(centre, self._plan.reference_limit_mm, fixed_nest=fixed_nest)
         step = self._logbook.situation.step
         return None if step is None or step.stop is None else self._aim_at(step.stop)
 
-    def _aim_at(self, stop: PlannedStop) -> Aim:
+    def _aim_at(self, stop: PlannedStop) -> ExpectedReflector:
         # Kept for the configuration: the nominal robot need not be computed eight times a second.
         if self._aimed is None or self._aimed.config != stop.config:
             self._aimed = expected_at(stop, self._plan, self._cell)
         return self._aimed
 
 
-def expected_at(stop: PlannedStop, plan: SessionPlan, cell: SessionCell) -> Aim:
+def expected_at(stop: PlannedStop, plan: SessionPlan, cell: SessionCell) -> ExpectedReflector:
     """Return where the reflector of a stop is expected by the nominal model."""
     x, y, z = nest_in_world(cell.robot, cell.base, cell.nests, stop.joints_rad, stop.nest).tolist()
-    return Aim((x, y, z), plan.search_radius_mm, config=stop.config, nest=stop.nest)
+    return ExpectedReflector((x, y, z), plan.search_radius_mm, config=stop.config, nest=stop.nest)

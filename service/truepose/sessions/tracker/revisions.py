@@ -11,12 +11,12 @@ from typing import Final
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionPlan, config_of
 from truepose.messages.message import Message, message
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError, ReasonMissingError
 from truepose.sessions.tracker.state import TrackerRecord
 from truepose.sessions.tracker.steps import Step, StepKind
 
-REVISIONS: Final = frozenset({ActName.SKIP, ActName.RETRY, ActName.BACK})
+REVISIONS: Final = frozenset({CommandName.SKIP, CommandName.RETRY, CommandName.BACK})
 _AGAIN: Final = {
     StepKind.WARM: message("session.revised.warm"),
     StepKind.REGISTER: message("session.revised.register"),
@@ -34,12 +34,14 @@ class Revision:
     sentence: Message
 
 
-def revision(act: Act, plan: SessionPlan, record: TrackerRecord, present: Step | None) -> Revision:
+def revision(
+    act: OperatorCommand, plan: SessionPlan, record: TrackerRecord, present: Step | None
+) -> Revision:
     """Return what an act of `REVISIONS` puts on record; raises NotNowError, ReasonMissingError."""
     match act.name:
-        case ActName.SKIP:
+        case CommandName.SKIP:
             return _skip(act, plan, record, present)
-        case ActName.RETRY:
+        case CommandName.RETRY:
             return _again(act.step_id or newest_stop(record), act, plan, record)
         case _:
             return _again(record.ended[-1] if record.ended else None, act, plan, record)
@@ -55,7 +57,7 @@ def newest_stop(record: TrackerRecord) -> str | None:
     return next((step_id for step_id in reversed(record.ended) if config_of(step_id) is not None), None)
 
 
-def _skip(act: Act, plan: SessionPlan, record: TrackerRecord, present: Step | None) -> Revision:
+def _skip(act: OperatorCommand, plan: SessionPlan, record: TrackerRecord, present: Step | None) -> Revision:
     step_id = act.step_id or ("" if present is None else present.id)
     config = config_of(step_id)
     known = any(stop.config == config for stop in plan.stops)
@@ -70,7 +72,7 @@ def _skip(act: Act, plan: SessionPlan, record: TrackerRecord, present: Step | No
     return Revision(EntryKind.SKIPPED, step_id, reason, sentence)
 
 
-def _again(step_id: str | None, act: Act, plan: SessionPlan, record: TrackerRecord) -> Revision:
+def _again(step_id: str | None, act: OperatorCommand, plan: SessionPlan, record: TrackerRecord) -> Revision:
     if step_id is None or (step_id not in record.ended and config_of(step_id) not in record.left_out):
         raise NotNowError(message("session.refused.nothing_to_repeat"))
     config = config_of(step_id)

@@ -17,7 +17,7 @@ from truepose.domain.people import tidy_name
 from truepose.domain.session import IdentityTaken, PlannedStop, Progress, SessionPlan, SessionState
 from truepose.messages.message import Message, Text, message, together
 from truepose.sessions.engine.arm import Arm
-from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.interlocks import end_of_motion
 from truepose.sessions.engine.ledger import Ledger, Logbook
@@ -149,7 +149,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
 
     # what a person asks for
 
-    def require(self, act: Act) -> None:
+    def require(self, act: OperatorCommand) -> None:
         """Raise NotNowError, PersonMissingError where an act is not allowed now."""
         if act.name not in REVISIONS:
             super().require(act)
@@ -158,13 +158,13 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         if self._ended or self.state in {SessionState.PLANNED, SessionState.ABORTING}:
             raise NotNowError(message("session.refused.nothing_to_do", state=words(self.state), act=act.name))
 
-    async def do(self, act: Act) -> ActOutcome:
+    async def do(self, act: OperatorCommand) -> CommandOutcome:
         """Do what an act asks for; raises NotNowError, ReasonMissingError."""
         if act.name in HALTS:
             return await self._halts.halt(act)
         if act.name in REVISIONS:
             return await self._revise(act)
-        if act.name is ActName.START:
+        if act.name is CommandName.START:
             return self._asked_now()
         self._identities.require_questioned(act.accepted_serial)
         name = tidy_name(act.person)
@@ -175,14 +175,14 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         # A person had the cell: where the arm stands now has been confirmed, and its last directions are
         # unknown.
         self._arm.forget()
-        if act.name is ActName.CONFIRM:
-            return ActOutcome(message("session.done.confirmed"), number)
-        return ActOutcome(message("session.done.begins_again"), number)
+        if act.name is CommandName.CONFIRM:
+            return CommandOutcome(message("session.done.confirmed"), number)
+        return CommandOutcome(message("session.done.begins_again"), number)
 
-    async def _revise(self, act: Act) -> ActOutcome:
+    async def _revise(self, act: OperatorCommand) -> CommandOutcome:
         found = revision(act, self._plan, self._record, self.situation.step)
         number = await self._logbook.append(found.kind, found.step_id, act, text=found.text)
-        return ActOutcome(found.sentence, number)
+        return CommandOutcome(found.sentence, number)
 
     # what the run does
 

@@ -18,12 +18,12 @@ from truepose.planning.workspace.bodies import (
     what_is_in_the_way,
     what_to_watch,
 )
-from truepose.sessions.controller import AskedSessionKind
+from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.errors import NotNowError, PlanRefusedError
-from truepose.sessions.service import SessionDesk
+from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, motion_limits
 from truepose.sessions.tracker.runner import TrackerRunner
@@ -86,7 +86,7 @@ class WantedStops:
     diagnosis_id: int | None = None  # which proposed them, to be run again
 
 
-class TrackerSessions(AskedSessionKind[TrackerRunner]):
+class TrackerSessions(PromptingSessionController[TrackerRunner]):
     """Sessions in which the tracker measures and nobody is in the cell."""
 
     roles = frozenset({"calibration", "validation"})
@@ -95,7 +95,7 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
 
     def __init__(
         self,
-        desk: SessionDesk,
+        desk: SessionService,
         additions: AddedStopsRepository,
         when_finished: WhenFinished,
         make_runner: MakeRunner = TrackerRunner,

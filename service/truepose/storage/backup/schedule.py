@@ -156,7 +156,7 @@ class Rules:
 
 
 @dataclass(frozen=True, slots=True)
-class Surplus:
+class SurplusCopy:
     """A file that may go, and why."""
 
     file: Path
@@ -164,15 +164,15 @@ class Surplus:
     why: str
 
 
-def surplus(database: Path, rules: Rules, now_s: Callable[[], float] = time.time) -> list[Surplus]:
+def surplus(database: Path, rules: Rules, now_s: Callable[[], float] = time.time) -> list[SurplusCopy]:
     """Return the files that may go, beside a database and among its copies."""
     found = [*_old_logs(database, rules, now_s()), *_left_behind(database, now_s())]
     if rules.copies is not None:
         found += _surplus_copies(rules.copies, rules.keep_copies)
-    return [Surplus(file, file.stat().st_size, why) for file, why in found]
+    return [SurplusCopy(file, file.stat().st_size, why) for file, why in found]
 
 
-def drop(found: list[Surplus]) -> None:
+def drop(found: list[SurplusCopy]) -> None:
     """Remove files that may go."""
     for one in found:
         one.file.unlink(missing_ok=True)

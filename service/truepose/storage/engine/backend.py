@@ -15,7 +15,7 @@ from sqlalchemy import Connection, Engine
 from sqlalchemy.engine import Transaction
 
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import Left
+from truepose.storage.integrity.database_identity import ClosingState
 
 Integrity: TypeAlias = Literal["not_checked", "checking", "whole", "damaged"]
 RESERVE_IN_USE: Final = (
@@ -93,13 +93,13 @@ Alone = Callable[[], AbstractContextManager[None]]  # while it lasts nobody read
 class InDoubtError(Exception):
     """The connection ended during a commit: whether the server has made it shows when it is back."""
 
-    def __init__(self, newest: Left) -> None:
+    def __init__(self, newest: ClosingState) -> None:
         super().__init__("The connection ended during a commit.")
         self.newest = newest  # link, which the database has then and only then
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class DatabaseObservation:
     """What a look at the open database finds."""
 
     foreign: bool  # somebody else has written since the last look
@@ -140,11 +140,11 @@ class DatabaseBackend(ABC):
         """See, once it is ready again, that nobody else has written meanwhile; raises StorageError."""
 
     @abstractmethod
-    def commit(self, transaction: Transaction, newest: Left) -> None:
+    def commit(self, transaction: Transaction, newest: ClosingState) -> None:
         """Commit and note the newest link; raises InDoubtError and what the library raises."""
 
     @abstractmethod
-    def has(self, newest: Left) -> bool:
+    def has(self, newest: ClosingState) -> bool:
         """Whether the database has a link."""
 
     @property
@@ -178,7 +178,7 @@ class DatabaseBackend(ABC):
         """Write a few bytes that nobody reads, and that reach the disk."""
 
     @abstractmethod
-    def look(self) -> Seen:
+    def look(self) -> DatabaseObservation:
         """Return who else has written, and what is missing."""
 
     @abstractmethod

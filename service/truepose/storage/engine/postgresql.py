@@ -13,7 +13,14 @@ from sqlalchemy.engine import Transaction
 from sqlalchemy.exc import DBAPIError
 
 from truepose.storage.engine.address import database_file, parsed_url, shown
-from truepose.storage.engine.backend import READERS, Alone, Condition, DatabaseBackend, InDoubtError, Seen
+from truepose.storage.engine.backend import (
+    READERS,
+    Alone,
+    Condition,
+    DatabaseBackend,
+    DatabaseObservation,
+    InDoubtError,
+)
 from truepose.storage.engine.postgresql_connections import (
     ACCEPTED,
     REFUSED,
@@ -35,7 +42,7 @@ from truepose.storage.engine.postgresql_server import (
 from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.schema import bring_up_to_date
 from truepose.storage.errors import DatabaseInUseError, ServerRefusedError, StorageError
-from truepose.storage.integrity.database_identity import IdentityFile, Left, has_link, newest_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, has_link, newest_link
 from truepose.storage.integrity.verification import newest_missing
 
 _LOG: Final = logging.getLogger(__name__)
@@ -51,7 +58,7 @@ class ServerDatabase(DatabaseBackend):
     def __init__(self, url: str, condition: Condition, alone: Alone) -> None:
         self._url = parsed_url(url)
         super().__init__(url, database_file(url), shown(self._url), condition, alone)
-        self._doubtful: Left | None = None  # newest link of a commit that may have been made
+        self._doubtful: ClosingState | None = None  # newest link of a commit that may have been made
         self._lost: str | None = None  # why nothing is written any more
         self._was_away = False  # and nobody has looked yet what was written meanwhile
         self._size_bytes = 0
@@ -88,7 +95,7 @@ class ServerDatabase(DatabaseBackend):
             raise
         return schema
 
-    def _left(self) -> Left | None:
+    def _left(self) -> ClosingState | None:
         """Find what lies on this machine, and return how the database was left."""
         # Asked of the server, over the connection that has the lock: only then is it certain which database
         # this is (decision 0068).
@@ -157,7 +164,7 @@ class ServerDatabase(DatabaseBackend):
         self._was_away, self._doubtful = False, None
         self._seal.note(newest)
 
-    def commit(self, transaction: Transaction, newest: Left) -> None:
+    def commit(self, transaction: Transaction, newest: ClosingState) -> None:
         """Commit and note the newest link; raises InDoubtError and what the library raises."""
         try:
             transaction.commit()
@@ -170,7 +177,7 @@ class ServerDatabase(DatabaseBackend):
             raise InDoubtError(newest) from error
         self._seal.note(newest)
 
-    def has(self, newest: Left) -> bool:
+    def has(self, newest: ClosingState) -> bool:
         """Whether the database has a link."""
         return has_link(self.plain, newest)
 
@@ -205,13 +212,13 @@ class ServerDatabase(DatabaseBackend):
         require_writable(self.plain, self.where)
         connection.exec_driver_sql(_A_LITTLE)
 
-    def look(self) -> Seen:
+    def look(self) -> DatabaseObservation:
         """Return whether the newest link is another than was written here, and what is missing."""
         newest, before = newest_link(self.plain), self._seal.noted
         # Otherwise the same foreign link would be found again at every look.
         self._seal.note(newest)
         self._size_bytes = int(self.plain.execute(_SIZE).fetchone()[0])
-        return Seen(newest != before, tuple(missing_protection(self.plain)))
+        return DatabaseObservation(newest != before, tuple(missing_protection(self.plain)))
 
     def changed_since_left(self) -> str | None:
         """Return nothing: what a server's files hold only the server knows."""

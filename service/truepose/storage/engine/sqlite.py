@@ -17,7 +17,13 @@ from sqlalchemy.engine import Transaction
 from sqlalchemy.exc import DatabaseError
 
 from truepose.storage.engine.address import database_file
-from truepose.storage.engine.backend import RESERVE_IN_USE, Alone, Condition, DatabaseBackend, Seen
+from truepose.storage.engine.backend import (
+    RESERVE_IN_USE,
+    Alone,
+    Condition,
+    DatabaseBackend,
+    DatabaseObservation,
+)
 from truepose.storage.engine.files import make_alone, opened_alone
 from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.schema import bring_up_to_date
@@ -29,9 +35,9 @@ from truepose.storage.engine.sqlite_connections import (
     translated,
     writing_engine,
 )
-from truepose.storage.engine.sqlite_file import Place, ServiceLock
+from truepose.storage.engine.sqlite_file import DatabaseFile, ServiceLock
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import IdentityFile, Left, has_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, has_link
 from truepose.storage.integrity.verification import note_how_it_was_left
 
 _BYTES: Final = 16 * 2**20
@@ -102,7 +108,7 @@ class SQLiteFile(DatabaseBackend):
         self._seal = IdentityFile(file)
         # Read before anything is opened: opening the database breaks the seal.
         self.left = self._seal.left()  # how the service before left the file; None where it did not say
-        self._seen: tuple[Place, int] | None = None  # where the file lay, and the version of others
+        self._seen: tuple[DatabaseFile, int] | None = None  # where the file lay, and the version of others
 
     def open(self) -> str:
         """Take the lock, open everything, bring the schema up to date and return it; raises StorageError."""
@@ -135,7 +141,7 @@ class SQLiteFile(DatabaseBackend):
         except BaseException:
             self.connection.close()
             raise
-        self.place = Place(self.file)
+        self.place = DatabaseFile(self.file)
         return schema
 
     def _connect(self) -> None:
@@ -175,20 +181,20 @@ class SQLiteFile(DatabaseBackend):
             self.readers.dispose()
             self.connection.close()
             self._write_engine.dispose()
-            self.place = Place(self.file)
+            self.place = DatabaseFile(self.file)
             self._connect()
 
     def require_ours(self) -> None:
         """Do nothing: the lock on the file is never lost."""
 
-    def commit(self, transaction: Transaction, newest: Left) -> None:
+    def commit(self, transaction: Transaction, newest: ClosingState) -> None:
         """Commit and note the newest link; raises what the library raises, and then nothing was kept."""
         # The link is noted after the commit and never before: a note of what was refused would be missed at
         # the next start.
         transaction.commit()
         self._seal.note(newest)
 
-    def has(self, newest: Left) -> bool:
+    def has(self, newest: ClosingState) -> bool:
         """Whether the database has a link."""
         return has_link(self.plain, newest)
 
@@ -233,7 +239,7 @@ class SQLiteFile(DatabaseBackend):
         # must not be a record.
         connection.exec_driver_sql(f"PRAGMA user_version = {(count + 1) % 2**31}")
 
-    def look(self) -> Seen:
+    def look(self) -> DatabaseObservation:
         """Return whether others' commits have raised the version since the last look, and what is missing."""
         # It changes with commits of other connections only, hence not with those of this one, which alone
         # writes.
@@ -241,7 +247,7 @@ class SQLiteFile(DatabaseBackend):
         before, self._seen = self._seen, (self.place, others)
         # A file that was written anew, or opened anew, counts from the beginning.
         foreign = before is not None and before[0] is self.place and before[1] != others
-        return Seen(foreign, tuple(missing_protection(self.plain)))
+        return DatabaseObservation(foreign, tuple(missing_protection(self.plain)))
 
     def changed_since_left(self) -> str | None:
         """Compare the file with the digest that the service before left; None where it left none."""

@@ -163,7 +163,7 @@ def _unwritable(database: Path, error: Exception) -> StorageUnavailableError:
 Identity = tuple[int, int]  # device and number of the file on it
 
 
-class Place:
+class DatabaseFile:
     """Where the database lies; asked by the writer's thread before each transaction."""
 
     def __init__(self, file: Path) -> None:

@@ -21,7 +21,7 @@ _LENGTH: Final = 256  # of the line, so that it is written over in place
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class ClosingState:
     """How a database was left."""
 
     link: int = 0
@@ -34,15 +34,15 @@ class IdentityFile:
 
     def __init__(self, database: Path) -> None:
         self.file = database.with_name(f"{database.name}.seal")
-        self.noted = Left()
+        self.noted = ClosingState()
         self._opened: int | None = None
 
-    def left(self) -> Left | None:
+    def left(self) -> ClosingState | None:
         """Return how the database was left; None where nobody said."""
         try:
             # What cannot be read is as good as absent: whoever puts an older copy back removes the file, and
             # a start must not fail for it.
-            return Left(**json.loads(self.file.read_text(encoding="utf-8")))
+            return ClosingState(**json.loads(self.file.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError):
             return None
 
@@ -58,7 +58,7 @@ class IdentityFile:
             # stricter.
             os.fsync(self._opened)
 
-    def note(self, newest: Left) -> None:
+    def note(self, newest: ClosingState) -> None:
         """Note the newest link, which is committed; whatever fails here, the records are kept."""
         # A trial, and a write that keeps nothing, add no link.
         if newest != self.noted:
@@ -74,7 +74,7 @@ class IdentityFile:
             os.close(self._opened)
             self._opened = None
 
-    def _write(self, left: Left) -> None:
+    def _write(self, left: ClosingState) -> None:
         self.noted = left
         if self._opened is not None:
             # One length for all: a shorter line over a longer one would leave the end of the latter behind
@@ -84,10 +84,10 @@ class IdentityFile:
             os.write(self._opened, line.encode())
 
 
-def newest_link(connection: Any) -> Left:
+def newest_link(connection: Any) -> ClosingState:
     """Return the newest link that a plain connection sees."""
     row = connection.execute("SELECT id, hash FROM links ORDER BY id DESC LIMIT 1").fetchone()
-    return Left() if row is None else Left(row[0], row[1].hex())
+    return ClosingState() if row is None else ClosingState(row[0], row[1].hex())
 
 
 def digest(opened: BufferedReader) -> str:
@@ -95,7 +95,7 @@ def digest(opened: BufferedReader) -> str:
     return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
-def has_link(connection: Any, left: Left) -> bool:
+def has_link(connection: Any, left: ClosingState) -> bool:
     """Whether a database holds the newest link that it was left with."""
     row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()
     return left.link == 0 or (row is not None and row[0].hex() == left.hash)

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from sqlalchemy import Connection
 
-from truepose.storage.integrity.database_identity import Left, newest_link
+from truepose.storage.integrity.database_identity import ClosingState, newest_link
 
 GENESIS: Final = bytes(32)
 OF_NO_SESSION: Final = 0
@@ -92,7 +92,7 @@ class Linking:
     def __init__(self) -> None:
         # Remembered from commit to commit, as nobody else writes: it saves a query for each record.
         self._heads: dict[int, bytes] = {}  # by stream
-        self._newest: Left | None = None  # link that is written; None: not known
+        self._newest: ClosingState | None = None  # link that is written; None: not known
         self._waiting: list[tuple[int, str, int, bytes]] = []  # stream, record, number, hash
 
     def add(
@@ -106,7 +106,7 @@ class Linking:
         # (commit f126b768).
         self._waiting.append((stream, record, record_id, found))
 
-    def write(self, connection: Any) -> Left:
+    def write(self, connection: Any) -> ClosingState:
         """Write what waits and return the newest link; raises what the library raises."""
         # Numbers of links are counted here, not given by the engine: the noted newest link must be known with
         # the commit.
@@ -115,7 +115,7 @@ class Linking:
             links = self._waiting[some : some + _MOST]
             values = [value for n, link in enumerate(links, newest.link + 1) for value in (n, *link)]
             connection.execute(_COLUMNS + ", ".join(["(?, ?, ?, ?, ?)"] * len(links)), values)
-            newest = Left(newest.link + len(links), links[-1][-1].hex())
+            newest = ClosingState(newest.link + len(links), links[-1][-1].hex())
         self._waiting.clear()
         self._newest = newest
         return newest

@@ -23,7 +23,7 @@ from truepose.storage.engine.backend import Condition
 from truepose.storage.engine.raw_connection import damaged_pages, missing_protection, numbers_given
 from truepose.storage.engine.reading import lies_beside, opened_at, refused_by, require_answering
 from truepose.storage.errors import DatabaseAddressError
-from truepose.storage.integrity.database_identity import IdentityFile, Left, digest, has_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, digest, has_link
 from truepose.storage.integrity.hash_chain import (
     GENESIS,
     OF_NO_SESSION,
@@ -239,7 +239,7 @@ def _text(value: Any) -> str:
 
 
 def note_how_it_was_left(
-    connection: Any, file: Path, left: Left | None, log_bytes: int, condition: Condition
+    connection: Any, file: Path, left: ClosingState | None, log_bytes: int, condition: Condition
 ) -> None:
     """Note what was dropped, a log where there was none, and newest records that are no longer there.
 
@@ -248,7 +248,7 @@ def note_how_it_was_left(
     connection : connection of the library
         That writes.
     file : Path
-    left : Left or None
+    left : ClosingState or None
         What the service before said; None where it said nothing.
     log_bytes : int
         Size of the write-ahead log before the database was opened.
@@ -297,7 +297,7 @@ def newest_missing(where: str, seal: Path) -> str:
     )
 
 
-def _against(url: str, left: Left, seal: Path) -> Iterator[str]:
+def _against(url: str, left: ClosingState, seal: Path) -> Iterator[str]:
     if left.sha256 is not None:
         file = database_file(url)
         with file.open("rb") as opened:

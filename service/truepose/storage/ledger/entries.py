@@ -30,7 +30,7 @@ from truepose.storage.ledger.sessions import (
 from truepose.storage.ledger.tracker_readings import add_fixed_nest, add_point
 from truepose.storage.queries import Part, part_of
 from truepose.storage.record_insertion import add_event, add_row
-from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
+from truepose.storage.records import CommandAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.results.campaigns import in_cell
 from truepose.storage.tables import act_answers, readings, session_entries, sessions
 
@@ -129,11 +129,11 @@ class LedgerRepository:
         row = await self._database.read(lambda c: c.execute(query).one_or_none())
         return None if row is None else _record(row)
 
-    async def keep_answer(self, session_id: int, key: RequestKey, answer: ActAnswer) -> None:
+    async def keep_answer(self, session_id: int, key: RequestKey, answer: CommandAnswer) -> None:
         """Keep what was answered, before it is sent: the same key gets the same answer."""
         await self._database.write(lambda c: _keep_answer(c, session_id, key, answer))
 
-    async def answer_to(self, session_id: int, key: RequestKey) -> ActAnswer | None:
+    async def answer_to(self, session_id: int, key: RequestKey) -> CommandAnswer | None:
         """Return what a request with this key was answered; raises KeyReusedError for another request's."""
         table = act_answers
         query = select(table).where(table.c.session_id == session_id, table.c.key == key.key)
@@ -144,7 +144,7 @@ class LedgerRepository:
             raise KeyReusedError(
                 f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
             )
-        return ActAnswer(row.sentence, row.entry_id)
+        return CommandAnswer(row.sentence, row.entry_id)
 
 
 class SessionLedger:
@@ -221,7 +221,7 @@ def _number_of(connection: Connection, session_id: int, key: str) -> int | None:
     return connection.scalar(select(table.c.id).where(table.c.session_id == session_id, table.c.key == key))
 
 
-def _keep_answer(connection: Connection, session_id: int, key: RequestKey, answer: ActAnswer) -> None:
+def _keep_answer(connection: Connection, session_id: int, key: RequestKey, answer: CommandAnswer) -> None:
     add_row(
         connection,
         act_answers,

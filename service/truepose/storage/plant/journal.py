@@ -47,7 +47,7 @@ class Reached:
 
 
 @dataclass(frozen=True)
-class Collected:
+class CollectionProgress:
     """How far a cell was collected, and what the next links rest on."""
 
     branch: Branch
@@ -68,7 +68,7 @@ class JournalRepository:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._known: dict[int, Collected] = {}  # by branch
+        self._known: dict[int, CollectionProgress] = {}  # by branch
         self._reading = asyncio.Semaphore(_CHAINS_AT_ONCE)
 
     async def enter(self, *cells: str) -> None:
@@ -79,13 +79,13 @@ class JournalRepository:
         """Return how far a cell was collected; raises NotInPlantError for one that was never entered."""
         return await self._database.read(lambda connection: _reached(connection, cell))
 
-    async def collected(self, reached: Reached) -> Collected:
+    async def collected(self, reached: Reached) -> CollectionProgress:
         """Return what the next links of a cell rest on."""
         known = self._known_at(reached)
         if known is not None:
             return known
         found = await self._heads(reached.branch, reached.position)
-        self._known[reached.branch.id] = Collected(reached.branch, reached.position, found)
+        self._known[reached.branch.id] = CollectionProgress(reached.branch, reached.position, found)
         return self._known[reached.branch.id]
 
     def head(self, branch: Branch) -> Head | None:
@@ -107,7 +107,7 @@ class JournalRepository:
         # Only now, and only from where it was known: a page that was refused must leave the old position.
         if known is not None:
             after = {**known.heads, **{link.stream: link.hash for link in page}}
-            self._known[branch.id] = Collected(branch, page[-1].link, after)
+            self._known[branch.id] = CollectionProgress(branch, page[-1].link, after)
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""
@@ -128,7 +128,7 @@ class JournalRepository:
         async with self._reading:
             return await self._database.read(lambda connection: heads(connection, branch, at))
 
-    def _known_at(self, reached: Reached) -> Collected | None:
+    def _known_at(self, reached: Reached) -> CollectionProgress | None:
         known = self._known.get(reached.branch.id)
         return known if known is not None and known.position == reached.position else None
 
@@ -169,7 +169,7 @@ def _row(branch: Branch, link: CollectedLink) -> dict[str, Any]:
     }
 
 
-def _accept(connection: Connection, cell: str, known: Collected, person: str, reason: str) -> None:
+def _accept(connection: Connection, cell: str, known: CollectionProgress, person: str, reason: str) -> None:
     number = cell_number(connection, cell)
     seen = newest_visit(connection, number)
     if seen is None or seen.visit.outcome is not Outcome.ANOTHER_CHAIN or seen.visit.fork is None:

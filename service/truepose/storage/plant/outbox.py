@@ -239,7 +239,7 @@ class OutboxLink:
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
+class ChainPosition:
     """How far a chain goes, and what it was at some link of it."""
 
     newest: int
@@ -253,7 +253,7 @@ class Outbox:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def stand(self, at: int | None = None) -> Stand:
+    async def stand(self, at: int | None = None) -> ChainPosition:
         """Return the head of the chain as it was at a link, by default as it is."""
         return await self._database.read(lambda connection: _stand(connection, at))
 
@@ -272,12 +272,12 @@ class Outbox:
         return await self._database.read(lambda connection: _after(connection, number, most))
 
 
-def _stand(connection: Connection, at: int | None) -> Stand:
+def _stand(connection: Connection, at: int | None) -> ChainPosition:
     newest = _newest(connection)
     number = newest if at is None else min(at, newest)
     found = connection.scalar(select(links.c.hash).where(links.c.id == number))
     head = head_after(plain(connection), number)
-    return Stand(newest, head, None if found is None else bytes(found))
+    return ChainPosition(newest, head, None if found is None else bytes(found))
 
 
 def _newest(connection: Connection) -> int:

@@ -257,7 +257,7 @@ class RobotMeasured:
 
 
 @dataclass(frozen=True, slots=True)
-class Lately:
+class RecentArrivals:
     """What came in since a day began, by the plant's clock."""
 
     robots: int  # seen for the first time
@@ -283,7 +283,7 @@ class PlantOverview:
         one = plant_robots.c.serial_number == serial_number
         return await self._database.read(lambda connection: _robots(connection, upto.isoformat(), one))
 
-    async def lately(self, since: date, limit: int) -> Lately:
+    async def lately(self, since: date, limit: int) -> RecentArrivals:
         """Return what came in since a day began."""
         return await self._database.read(lambda connection: _lately(connection, since.isoformat(), limit))
 
@@ -327,14 +327,14 @@ def _where_planned(connection: Connection, robots: list[RobotMeasured]) -> list[
     return [replace(robot, cell=robot.cell or places.get(robot.serial_number, "")) for robot in robots]
 
 
-def _lately(connection: Connection, since: str, limit: int) -> Lately:
+def _lately(connection: Connection, since: str, limit: int) -> RecentArrivals:
     before = last_before(connection, plant_results, since)
     recent = plant_results.c.id > before
     counts = select(plant_results.c.kind, func.count()).where(recent).group_by(plant_results.c.kind)
     newest = results_seen().where(recent).order_by(plant_results.c.id.desc()).limit(limit)
     robots_before = last_before(connection, plant_robots, since)
     robots = select(func.count()).select_from(plant_robots).where(plant_robots.c.id > robots_before)
-    return Lately(
+    return RecentArrivals(
         robots=connection.scalar(robots) or 0,
         results=dict(tuple(row) for row in connection.execute(counts)),
         newest=[result_seen(row) for row in connection.execute(newest)],

@@ -36,7 +36,7 @@ FAILED: Final = "failed"
 
 
 @dataclass(frozen=True, slots=True)
-class Telling:
+class Projection:
     """What one record tells."""
 
     kind: ToldKind
@@ -47,13 +47,13 @@ class Telling:
     made_of: tuple[ToldKind, int] | None = None  # what it was made of in the same cell
 
 
-def telling(record: str, row: Document) -> Telling | None:
+def telling(record: str, row: Document) -> Projection | None:
     """Return what a record tells; None: nothing, whatever is in it."""
     read = TELLING.get(record)
     return None if read is None else _finite(read(row))
 
 
-def _finite(told: Telling) -> Telling:
+def _finite(told: Projection) -> Projection:
     figure_mm, limit_mm = _figure(told.figure_mm), _figure(told.limit_mm)
     return replace(told, figure_mm=figure_mm, limit_mm=limit_mm, document=_of_finite(told.document))
 
@@ -77,27 +77,27 @@ def _figure(value: Any) -> float | None:
     return float(value) if is_number and math.isfinite(value) else None
 
 
-def _session(row: Document) -> Telling:
+def _session(row: Document) -> Projection:
     cell = _json(row, "setup").get("cell", {})
     tool, base = cell.get("tool") or {}, cell.get("base_nominal") or {}
     named = [str(tool.get(name) or "") for name in ("name", "serial_number")]
-    return Telling("session", document={"tool": " ".join(filter(None, named)), "base": [*base.values()]})
+    return Projection("session", document={"tool": " ".join(filter(None, named)), "base": [*base.values()]})
 
 
-def _campaign(row: Document) -> Telling:
+def _campaign(row: Document) -> Projection:
     sessions = _json(row, "session_ids")
-    return Telling("campaign", made_of=("session", int(sessions[0])) if sessions else None)
+    return Projection("campaign", made_of=("session", int(sessions[0])) if sessions else None)
 
 
-def _identification(row: Document) -> Telling:
+def _identification(row: Document) -> Projection:
     found = _json(row, "document")
     held_out = found.get("validation") or found.get("cross_validation") or {}
     after, before = (_mean(held_out.get(model)) for model in ("identified", "nominal"))
     told = {"before_mm": before}
-    return Telling("identification", str(found["status"]), after, None, told, _of(row, "campaign"))
+    return Projection("identification", str(found["status"]), after, None, told, _of(row, "campaign"))
 
 
-def _diagnosis(row: Document) -> Telling:
+def _diagnosis(row: Document) -> Projection:
     found = _json(row, "summary")
     told = {
         "before_mm": _mean(found.get("before")),
@@ -105,7 +105,7 @@ def _diagnosis(row: Document) -> Telling:
         "causes": [_cause(finding) for finding in found["findings"]],
     }
     after = _mean(found.get("after"))
-    return Telling("diagnosis", str(found["verdict"]), after, None, told, _of(row, "campaign"))
+    return Projection("diagnosis", str(found["verdict"]), after, None, told, _of(row, "campaign"))
 
 
 def _cause(finding: Document) -> dict[str, Any]:
@@ -115,21 +115,23 @@ def _cause(finding: Document) -> dict[str, Any]:
     return {name: finding[name] for name in known} | figures | {"worth_mm": _mean(worth)}
 
 
-def _validation(row: Document) -> Telling:
+def _validation(row: Document) -> Projection:
     found = _json(row, "document")
     identified, limit = found["position"]["identified"], found["limit_mm"]
     figure = identified["mean_mm"] if limit is None else identified["max_mm"]
     told = {"promised": limit is None, "model": row.get("model_id")}
     allowed = found.get("claimed_mm") if limit is None else limit
     verdict = PASSED if found["passed"] else FAILED
-    return Telling("validation", verdict, figure, allowed, told, _of(row, "campaign"))
+    return Projection("validation", verdict, figure, allowed, told, _of(row, "campaign"))
 
 
-def _model(row: Document) -> Telling:
+def _model(row: Document) -> Projection:
     diagnosed = row.get("diagnosis_id") is not None
     accepted_by = row.get("accepted_by")  # of one that was handed down
     told = {} if accepted_by is None else {"accepted_by": str(accepted_by)}
-    return Telling("model", document=told, made_of=_of(row, "diagnosis" if diagnosed else "identification"))
+    return Projection(
+        "model", document=told, made_of=_of(row, "diagnosis" if diagnosed else "identification")
+    )
 
 
 def _of(row: Document, kind: ToldKind) -> tuple[ToldKind, int] | None:
@@ -145,7 +147,7 @@ def _json(row: Document, column: str) -> Any:
     return json.loads(str(row[column]))
 
 
-TELLING: Final[Mapping[str, Callable[[Document], Telling]]] = {
+TELLING: Final[Mapping[str, Callable[[Document], Projection]]] = {
     "sessions": _session,
     "campaigns": _campaign,
     "identifications": _identification,
@@ -174,7 +176,7 @@ def tell(connection: Connection, branch: Branch, link: CollectedLink, row: Docum
         _LOG.warning("record %d of the %s tells nothing (%r)", link.record_id, link.record, error)
 
 
-def _add(connection: Connection, branch: Branch, link: CollectedLink, found: Telling, day: str) -> None:
+def _add(connection: Connection, branch: Branch, link: CollectedLink, found: Projection, day: str) -> None:
     serial, measured_on = _of_whom(connection, branch, found.kind, link.record_id, day)
     carried = {} if found.made_of is None else _carried(connection, branch, *found.made_of)
     add_row(

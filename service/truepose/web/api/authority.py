@@ -14,7 +14,7 @@ from truepose.messages.message import message
 from truepose.people.errors import FreshSignInNeededError, NotAllowedError
 from truepose.people.leases import LEASE_S, Lease
 from truepose.people.register import Caller
-from truepose.sessions.engine.commands import HALTS, LETS_MOVE, ActName
+from truepose.sessions.engine.commands import HALTS, LETS_MOVE, CommandName
 from truepose.web.context import Context, Here
 from truepose.web.middleware.rights import CurrentCaller, current_request
 from truepose.web.resources import Id, problems, resource
@@ -40,10 +40,10 @@ class AuthorityReply(Reply):
 
 router = resource("/sessions", tags=["people"])
 TAKEN_FROM: Final = "taken over from "  # the reason of such an act, before the name of who had it
-_SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}
+_SHOWN_FIRST: Final = LETS_MOVE | {CommandName.HAND_OVER}
 
 
-async def require_authority(here: Context, session_id: int, act: ActName) -> None:
+async def require_authority(here: Context, session_id: int, act: CommandName) -> None:
     """Raise where whoever asks may not do this in a session now.
 
     Raises NotAllowedError, FreshSignInNeededError, SomebodyElseActsError.
@@ -57,7 +57,7 @@ async def require_authority(here: Context, session_id: int, act: ActName) -> Non
         return
     if act in _SHOWN_FIRST and not _goes_on(here, session_id, act) and not _is_fresh(here, caller):
         raise FreshSignInNeededError
-    if act is ActName.HAND_OVER:
+    if act is CommandName.HAND_OVER:
         here.people.leases.take_over(session_id, caller)
     else:
         here.people.leases.claim(session_id, caller)
@@ -104,11 +104,11 @@ def _give_reason(held: Lease | None, asker: Caller) -> None:
         current_request().reason = f"{TAKEN_FROM}{held.person}"
 
 
-def _goes_on(here: Context, session_id: int, act: ActName) -> bool:
+def _goes_on(here: Context, session_id: int, act: CommandName) -> bool:
     """Whether a session is under way, so that each motion is confirmed by whoever has been acting."""
     under_way = here.session_desk.under_way(session_id)
     running = under_way is not None and under_way.runner.state is SessionState.RUNNING
-    return act is ActName.CONFIRM and running
+    return act is CommandName.CONFIRM and running
 
 
 def _is_fresh(here: Context, caller: Caller) -> bool:

@@ -6,7 +6,7 @@ from fastapi import status
 from pydantic import Field
 
 from truepose.domain.cell import ClosedAs, Closing, JudgedPaper, Standing
-from truepose.exchange.results.document import Taken, null_if_empty
+from truepose.exchange.results.document import FieldSource, null_if_empty
 from truepose.web.context import Here
 from truepose.web.resources import Id, problems, resource
 from truepose.web.schemas import PersonName, Reply, Request
@@ -28,7 +28,7 @@ class ClosingRequest(Request):
 class CertificateReply(Reply):
     """A certificate as it stood when the last reading was taken."""
 
-    what: Annotated[str, Taken("paper.of")] = Field(examples=["laser tracker"])
+    what: Annotated[str, FieldSource("paper.of")] = Field(examples=["laser tracker"])
     serial_number: Annotated[str | None, null_if_empty("paper.serial_number")] = Field(examples=["391234"])
     certificate: Annotated[str | None, null_if_empty("paper.certificate")] = Field(
         examples=["ISO 10360-10 report 2026-0815"]

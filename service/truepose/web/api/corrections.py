@@ -18,7 +18,7 @@ from truepose.domain.correction import CorrectedTargets
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
 from truepose.exchange.programs.pose_notation import Order
-from truepose.exchange.programs.program import Meant
+from truepose.exchange.programs.program import TargetConventions
 from truepose.exchange.results.corrections import CorrectionDocument, correction_of
 from truepose.exchange.results.document import Quantity
 from truepose.kinematics.inverse import BRANCH_NAMES
@@ -87,7 +87,9 @@ class TargetReply(Reply):
     name: str
     line: int
     status: str = Field(examples=["ok"])
-    place_mm: list[Quantity] = Field(description="Meant for the origin of the last frame, in the base.")
+    place_mm: list[Quantity] = Field(
+        description="TargetConventions for the origin of the last frame, in the base."
+    )
     shift_mm: list[Quantity] = Field(description="From there to where the controller is told to go.")
     u_mm: Quantity = Field(description="Standard, per axis, of where the tool really goes.")
     outside_mm: Quantity = Field(description="How far outside the measured zone; null: unknown.")
@@ -239,7 +241,7 @@ async def correct_file(
         "as_written": as_written,
     }
     meant = CorrectionRequest(
-        meant=None if frame is None else Meant(frame),
+        meant=None if frame is None else TargetConventions(frame),
         defined=dict(frame_defined(text, "define") for text in define or []),
         branch=None if branch is None else branch_named(branch, "branch"),
         angles=angles,

@@ -12,7 +12,7 @@ from truepose.diagnosis.history import CauseOverTime, Sighting
 from truepose.domain.diagnosis import Confidence, Verdict
 from truepose.effects.registry import chosen_effects
 from truepose.exchange.results.diagnosis import DiagnosisDocument
-from truepose.exchange.results.document import Quantity, Spoken, Taken, null_if_empty
+from truepose.exchange.results.document import FieldSource, Quantity, Spoken, null_if_empty
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.storage.records import DiagnosisRecord, RequestKey
 from truepose.web.api.identifications import EffectNames
@@ -90,7 +90,7 @@ class StoredDiagnosis(Reply):
 class DiagnosisReply(StoredDiagnosis):
     """A stored diagnosis; its extended model is a model like any other."""
 
-    document: Annotated[DiagnosisDocument, Taken("diagnosis")]
+    document: Annotated[DiagnosisDocument, FieldSource("diagnosis")]
 
 
 class FindingReply(Reply):
@@ -107,10 +107,10 @@ class FindingReply(Reply):
 class DiagnosisSummaryReply(StoredDiagnosis):
     """A stored diagnosis in a list: its first line and its findings."""
 
-    robot: Annotated[str, Taken("diagnosis.robot")] = Field(examples=["ABB IRB 120"])
-    verdict: Annotated[Verdict, Taken("diagnosis.verdict")]
-    message: Annotated[Spoken, Taken("diagnosis.message")]
-    findings: Annotated[list[FindingReply], Taken("diagnosis.findings")]
+    robot: Annotated[str, FieldSource("diagnosis.robot")] = Field(examples=["ABB IRB 120"])
+    verdict: Annotated[Verdict, FieldSource("diagnosis.verdict")]
+    message: Annotated[Spoken, FieldSource("diagnosis.message")]
+    findings: Annotated[list[FindingReply], FieldSource("diagnosis.findings")]
 
 
 def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
@@ -132,7 +132,7 @@ class SignReply(Reply):
         description="`not_visible`: these readings could not show it; `part_of_start`: the model had it."
     )
     amplitude: Quantity = Field(examples=[0.021])
-    amplitude_standard_uncertainty: Annotated[Quantity, Taken("standard_uncertainty")] = Field(
+    amplitude_standard_uncertainty: Annotated[Quantity, FieldSource("standard_uncertainty")] = Field(
         examples=[0.003]
     )
     confidence: Confidence | None
@@ -141,8 +141,8 @@ class SignReply(Reply):
 class ChangeReply(Reply):
     """How far an amplitude changed between two diagnoses that found it, in its unit."""
 
-    from_diagnosis_id: Annotated[RecordId, Taken("from_id")]
-    to_diagnosis_id: Annotated[RecordId, Taken("to_id")]
+    from_diagnosis_id: Annotated[RecordId, FieldSource("from_id")]
+    to_diagnosis_id: Annotated[RecordId, FieldSource("to_id")]
     difference: Quantity = Field(description="Later less earlier.", examples=[0.012])
     standard_uncertainty: Quantity = Field(examples=[0.004])
     p_value: float | None = Field(description="Corrected for all changes of the reply; null: not tested.")

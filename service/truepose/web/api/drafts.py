@@ -8,7 +8,7 @@ from fastapi import Request as HttpRequest
 from pydantic import Field, JsonValue
 
 from truepose.exchange.import_wizard.dialogue import Asked, Kind, Understood
-from truepose.exchange.results.document import Quantity, Spoken, Taken
+from truepose.exchange.results.document import FieldSource, Quantity, Spoken
 from truepose.storage.drafts import Draft
 from truepose.web.context import Here
 from truepose.web.resources import Counted, Id, listing, problems, resource
@@ -209,11 +209,11 @@ class ColumnReply(Reply):
     """A column and what it is taken for."""
 
     heading: str
-    quantity: Annotated[str, Taken("meaning.quantity")]
-    number: Annotated[int, Taken("meaning.number")]
-    unit: Annotated[str, Taken("meaning.unit")]
-    point: Annotated[int, Taken("meaning.point")]
-    column: Annotated[str, Taken("meaning.column")] = Field(
+    quantity: Annotated[str, FieldSource("meaning.quantity")]
+    number: Annotated[int, FieldSource("meaning.number")]
+    unit: Annotated[str, FieldSource("meaning.unit")]
+    point: Annotated[int, FieldSource("meaning.point")]
+    column: Annotated[str, FieldSource("meaning.column")] = Field(
         description="Its name in the file format; empty: it is not read."
     )
     certainty: str = Field(description="`certain`, `likely`, `guess`; `said`: somebody chose it.")

@@ -14,7 +14,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.messages.message import Text, message
-from truepose.sessions.ballbar.planning import BallbarWish, kit_of
+from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of
 from truepose.sessions.ballbar.planning import judged as judged_by_bar
 from truepose.sessions.tracker.service import judged
 from truepose.storage.errors import ConflictError
@@ -151,7 +151,7 @@ async def _anew(
         raise ConflictError(message("refused.same_configurations", session=template.record.id))
     if isinstance(plan, BallbarPlan):
         frames = tuple(placement.frame for placement in plan.placements)
-        wish = BallbarWish(frames=frames, poses=n, seed=seed)
+        wish = BallbarPlanRequest(frames=frames, poses=n, seed=seed)
         return await queue_plan(here, name, setup, wish, key, sender)
     empty = replace(_of_today(plan, setup.cell), stops=())
     return await here.job_desk.plan(name, PlanTask(setup, empty, n, seed), key, sender=sender)

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field
 
 from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, Person, Role, tidy_name
 from truepose.messages.message import message
-from truepose.people.accounts import LONGEST_SECRET, SHORTEST_PASSWORD, Chosen
+from truepose.people.accounts import LONGEST_SECRET, SHORTEST_PASSWORD, Preferences
 from truepose.people.errors import SignInRefusedError
 from truepose.people.register import Caller
 from truepose.people.sign_ins import LONGEST_DAYS, SignedIn
@@ -119,9 +119,9 @@ class CallerReply(Reply):
     )
 
 
-def chosen_of(wanted: FirstPersonRequest | AcceptRequest | ChosenRequest) -> Chosen:
+def chosen_of(wanted: FirstPersonRequest | AcceptRequest | ChosenRequest) -> Preferences:
     """Return what somebody chose."""
-    return Chosen(wanted.password, wanted.pin, getattr(wanted, "badge", None))
+    return Preferences(wanted.password, wanted.pin, getattr(wanted, "badge", None))
 
 
 router = resource(tags=["people"])

@@ -30,7 +30,7 @@ from truepose.web.middleware.rights import (
     may,
     may_ask,
 )
-from truepose.web.middleware.routing import ByPath, Operation, asked_operation
+from truepose.web.middleware.routing import Operation, RouteTable, asked_operation
 from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 
 COOKIE: Final = "truepose_sign_in"
@@ -54,7 +54,7 @@ class AuthorizationMiddleware:
 
     def __init__(self, app: ASGIApp, operations: Sequence[Operation]) -> None:
         self._app = app
-        self._operations = ByPath((operation.path, operation) for operation in operations)
+        self._operations = RouteTable((operation.path, operation) for operation in operations)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it."""

@@ -70,7 +70,7 @@ class _Lane:
             self.waiting -= 1
 
 
-class Lanes:
+class ConcurrencyLimits:
     """ASGI middleware: so many requests of a kind at once, a few that wait, and 503 for the others."""
 
     def __init__(self, app: ASGIApp) -> None:

@@ -13,7 +13,7 @@ T = TypeVar("T")
 _API: Final = "/api/v1/"
 
 
-class ByPath(Generic[T]):
+class RouteTable(Generic[T]):
     """Things that each have a path, with parameters in braces, in the order in which they count."""
 
     def __init__(self, things: Iterable[tuple[str, T]]) -> None:
@@ -44,7 +44,7 @@ class Routing:
 
     def __init__(self, router: ASGIApp, routes: Sequence[BaseRoute]) -> None:
         self._router = router
-        self._routes = ByPath((getattr(route, "path", "/{any}"), route) for route in routes)
+        self._routes = RouteTable((getattr(route, "path", "/{any}"), route) for route in routes)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or pass it on."""
@@ -82,6 +82,6 @@ def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
     )
 
 
-def asked_operation(operations: ByPath[Operation], method: str, path: str) -> Operation | None:
+def asked_operation(operations: RouteTable[Operation], method: str, path: str) -> Operation | None:
     """Return what is asked for; None where there is no such thing."""
     return next((o for o in operations.at(path) if method in o.methods and o.matches.match(path)), None)

@@ -10,8 +10,8 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.robot import Robot
-from truepose.exchange.import_wizard.dialogue import FileSeen, Understood
-from truepose.exchange.import_wizard.headings import AXES, QUANTITIES, Meaning
+from truepose.exchange.import_wizard.dialogue import DetectedFile, Understood
+from truepose.exchange.import_wizard.headings import AXES, QUANTITIES, ColumnMeaning
 from truepose.exchange.robots.named import list_robots, load_robot
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.drafts import Draft
@@ -75,7 +75,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Accepted:
+class AcceptedChange:
     """A change that somebody accepted, and what takes it back."""
 
     sentence: str
@@ -131,20 +131,20 @@ def _meanings(words: Catalogue) -> list[Choice]:
     return [Choice(_sent(meaning), _called(meaning, words)) for meaning in _every_meaning()]
 
 
-def _sent(meaning: Meaning) -> str:
+def _sent(meaning: ColumnMeaning) -> str:
     """Return a meaning as requests have it: with a number and a unit only where it has one."""
     return _said({name: value for name, value in asdict(meaning).items() if value})
 
 
-def _every_meaning() -> Iterator[Meaning]:
+def _every_meaning() -> Iterator[ColumnMeaning]:
     last = {"joint": _JOINTS, "axis": len(AXES)}
     for name, quantity in QUANTITIES.items():
         unit = next(iter(quantity.units), "")
         for number in range(1, last[quantity.numbered] + 1) if quantity.numbered else (0,):
-            yield Meaning(name, number, unit)
+            yield ColumnMeaning(name, number, unit)
 
 
-def _called(meaning: Meaning, words: Catalogue) -> str:
+def _called(meaning: ColumnMeaning, words: Catalogue) -> str:
     axis = AXES[meaning.number - 1] if meaning.quantity == "position" else ""
     name = words.say(_CALLED[meaning.quantity], number=meaning.number, axis=axis)
     return f"{name}, {words.say('bring.point', number=meaning.point)}" if meaning.point else name
@@ -165,16 +165,16 @@ def _offered(draft: Draft, found: Understood) -> str:
     return _said({"robot": found.robot.key, "changes": [*draft.choices.get("changes", ()), *changes]})
 
 
-def _accepted(draft: Draft, words: Catalogue) -> list[Accepted]:
+def _accepted(draft: Draft, words: Catalogue) -> list[AcceptedChange]:
     from truepose.identification.verdict.conventions import Change
 
     changes = draft.choices.get("changes", [])
     left = [_said({"changes": changes[:at] + changes[at + 1 :]}) for at in range(len(changes))]
     said = [words.spoken(Change(**one).sentence) for one in changes]
-    return [Accepted(sentence, without) for sentence, without in zip(said, left, strict=True)]
+    return [AcceptedChange(sentence, without) for sentence, without in zip(said, left, strict=True)]
 
 
-def _numbers(draft: Draft, files: tuple[FileSeen, ...]) -> dict[str, int]:
+def _numbers(draft: Draft, files: tuple[DetectedFile, ...]) -> dict[str, int]:
     """Return the number under which a file is kept, by its name; those of archives have none."""
     kept = {file.name.rsplit("/", 1)[-1]: file.number for file in draft.files}
     return {file.name: kept[file.name] for file in files if file.name in kept}

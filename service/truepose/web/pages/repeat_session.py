@@ -28,7 +28,7 @@ _MEASURED_BY: Final = {"ballbar": "again.by.ballbar", "contacts": "again.by.cont
 
 
 @dataclass(frozen=True, slots=True)
-class Earlier:
+class EarlierSession:
     """A session of the same kind and size, and the error that its model left on held-out readings."""
 
     link: Link
@@ -84,7 +84,7 @@ def _instrument(template: Template) -> str:
     return "again.by.camera" if template.then.cell.camera else "again.by.tracker"
 
 
-async def _history(visit: Visit, template: Template) -> list[Earlier]:
+async def _history(visit: Visit, template: Template) -> list[EarlierSession]:
     """Return sessions of the same kind and size, newest first: with the same plan, or one like it."""
     found = await visit.here.sessions.newest(_LOOKED_THROUGH)
     alike = [one for one in found if _is_alike(one, template.record)]
@@ -95,13 +95,13 @@ def _is_alike(one: SessionRecord, record: SessionRecord) -> bool:
     return (one.role, one.test, one.planned) == (record.role, record.test, record.planned)
 
 
-async def _earlier(visit: Visit, record: SessionRecord) -> Earlier:
+async def _earlier(visit: Visit, record: SessionRecord) -> EarlierSession:
     lineage = await visit.here.lineages.of(WorkKind.SESSION, record.id)
     session, made = lineage.item(WorkKind.SESSION, record.id), lineage.newest(WorkKind.IDENTIFICATION)
     if session is None:
         raise NotFoundError("session", record.id)
     error = "" if made is None else await _held_out(visit.here, made.id, visit.words)
-    return Earlier(link_to(session, visit.words), error)
+    return EarlierSession(link_to(session, visit.words), error)
 
 
 async def _held_out(here: Context, identification_id: int, words: Catalogue) -> str:

@@ -8,7 +8,7 @@ from fastapi import Depends, Request
 
 from truepose.analysis.fleets.service import FleetService
 from truepose.analysis.page_services import Renderer
-from truepose.people.accounts import PeopleDesk
+from truepose.people.accounts import PeopleService
 from truepose.plant.calibration_due import DueAfter
 from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector
@@ -37,7 +37,7 @@ class PlantContext:
     version: str
     cell: Place  # pages of people are those of a cell, and name what they are of
     database: Database
-    people: PeopleDesk
+    people: PeopleService
     journal: JournalRepository
     visits: VisitRepository
     hand_downs: HandDownRepository

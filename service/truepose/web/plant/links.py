@@ -6,8 +6,15 @@ from datetime import date
 from typing import Final
 from urllib.parse import quote
 
-from truepose.plant.calibration_due import Evidence, Reason, RobotStatus, Why, latest_day, standing_robots
-from truepose.storage.caches import Compared
+from truepose.plant.calibration_due import (
+    DueReason,
+    Evidence,
+    Reason,
+    RobotStatus,
+    latest_day,
+    standing_robots,
+)
+from truepose.storage.caches import FleetComparison
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 from truepose.storage.plant.queries import ResultKind, ResultRecord
@@ -99,7 +106,7 @@ async def standing(
     here: PlantContext,
     robots: Iterable[RobotMeasured],
     papers: Iterable[CertificateRecord],
-    compared: Sequence[Compared],
+    compared: Sequence[FleetComparison],
     today: date,
 ) -> list[RobotStatus]:
     """Return how robots stand on a day, those first that are to be measured first."""
@@ -118,6 +125,6 @@ def _leads_to(reason: Reason, places: Places, measured_with: str) -> str:
     """Return the page of what gives a reason; empty: there is none."""
     if reason.compared is not None:
         return f"/fleet?type={quote(reason.compared.robot)}"
-    if reason.why is Why.UNCERTIFIED:
+    if reason.why is DueReason.UNCERTIFIED:
         return f"/instruments/{quote(measured_with)}"
     return "" if reason.record is None else places.of(reason.record)

@@ -11,7 +11,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell import Standing
-from truepose.plant.calibration_due import RobotStatus, Why, latest_day
+from truepose.plant.calibration_due import DueReason, RobotStatus, latest_day
 from truepose.plant.changes import RecordedChange, RobotChanged
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import RobotMeasured
@@ -27,15 +27,15 @@ _NEXT: Final = 20  # robots to be measured, and that changed, and what came in: 
 _CURRENT: Final = "current"
 _STATES: Final[Mapping[str, tuple[str, str]]] = {  # how a badge looks, and what it says
     _CURRENT: ("good", "plant.state.current"),
-    Why.UNMEASURED: ("warn", "plant.state.unmeasured"),
-    Why.DOUBTFUL: ("warn", "plant.state.doubtful"),
-    Why.FAILED: ("bad", "plant.state.failed"),
-    Why.UNCERTIFIED: ("bad", "plant.state.uncertified"),
-    Why.CHANGED: ("warn", "plant.state.changed"),
-    Why.UNEXPLAINED: ("warn", "plant.state.unexplained"),
-    Why.WORSENING: ("warn", "plant.state.worsening"),
-    Why.OVERDUE: ("warn", "plant.state.overdue"),
-    Why.ASKED: ("warn", "plant.state.asked"),
+    DueReason.UNMEASURED: ("warn", "plant.state.unmeasured"),
+    DueReason.DOUBTFUL: ("warn", "plant.state.doubtful"),
+    DueReason.FAILED: ("bad", "plant.state.failed"),
+    DueReason.UNCERTIFIED: ("bad", "plant.state.uncertified"),
+    DueReason.CHANGED: ("warn", "plant.state.changed"),
+    DueReason.UNEXPLAINED: ("warn", "plant.state.unexplained"),
+    DueReason.WORSENING: ("warn", "plant.state.worsening"),
+    DueReason.OVERDUE: ("warn", "plant.state.overdue"),
+    DueReason.ASKED: ("warn", "plant.state.asked"),
 }
 
 

@@ -28,7 +28,7 @@ Dated = TypeVar("Dated", DayMeasured, ResultRecord)
 
 
 @dataclass(frozen=True, slots=True)
-class Courses:
+class TrendFigures:
     """Pictures over days; None: they are being drawn, or there are none."""
 
     drawn: Markup | None
@@ -70,7 +70,7 @@ async def robot_life_page(
     )
 
 
-async def _courses(visit: Visit, here: PlantHere, serial: str, upto: str, *, whole: bool) -> Courses:
+async def _courses(visit: Visit, here: PlantHere, serial: str, upto: str, *, whole: bool) -> TrendFigures:
     """Return the courses of a robot's error and causes, drawn as soon as there is something over days.
 
     A day that is yet to come would make one line of all others.
@@ -78,13 +78,13 @@ async def _courses(visit: Visit, here: PlantHere, serial: str, upto: str, *, who
     every = await here.told.of_robot(serial)
     told = tuple(one for one in every if one.kind in _OVER_DAYS and one.measured_on <= upto)
     if not told:
-        return Courses(None, is_there=False)
+        return TrendFigures(None, is_there=False)
     asked = CoursesDrawing(told, visit.words.tag)
     of = f"courses {serial} {len(told)} {max(one.id for one in told)}"
     drawn = await render_part(
         visit, of, lambda: here.drawing_desk.draw(draw_courses, asked), whole=whole, at_once_s=_AT_ONCE_S
     )
-    return Courses(drawn, is_there=True)
+    return TrendFigures(drawn, is_there=True)
 
 
 @router.get("/instruments/{serial:path}", response_class=HTMLResponse)

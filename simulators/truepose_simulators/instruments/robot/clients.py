@@ -39,7 +39,7 @@ class AlwaysThere:
         return 0.0
 
 
-class Ear:
+class ClientMonitor:
     """What a program hears of its client while it does something else; the words are lost."""
 
     def __init__(self, cell: Cell) -> None:
@@ -60,7 +60,9 @@ class Ear:
             self._gone = reader.at_eof() or reader.exception() is not None
 
 
-async def while_listening(answer: Awaitable[Answer], ear: Ear, reader: asyncio.StreamReader) -> Answer:
+async def while_listening(
+    answer: Awaitable[Answer], ear: ClientMonitor, reader: asyncio.StreamReader
+) -> Answer:
     """Return an answer that takes a while; meanwhile the client is heard."""
     listening = asyncio.create_task(ear.listen(reader))
     try:

@@ -35,7 +35,7 @@ from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
 from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
-    Ear,
+    ClientMonitor,
     ProgramStoppedError,
     one_client_endpoint,
     rest_after,
@@ -275,7 +275,7 @@ class _Attendance:
         """Have the program answer; our own listens for its client meanwhile, the stock one hears nothing."""
         if not self._program.is_ours:
             return await self._program.answer(line)
-        ear = Ear(self._cell)
+        ear = ClientMonitor(self._cell)
         return await while_listening(self._program.answer(line, ear), ear, self._reader)
 
     async def _say(self, reply: bytes) -> None:

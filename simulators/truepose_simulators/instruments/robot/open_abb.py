@@ -27,7 +27,7 @@ from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
 from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
-    Ear,
+    ClientMonitor,
     ProgramStoppedError,
     one_client_endpoint,
     rest_after,
@@ -307,7 +307,7 @@ async def _answer(
     """Have the program answer; our own listens for its client meanwhile, open_abb's hears nothing."""
     if not program.is_ours:
         return await program.answer(data)
-    ear = Ear(cell)
+    ear = ClientMonitor(cell)
     return await while_listening(program.answer(data, ear), ear, reader)
 
 

@@ -42,7 +42,7 @@ from truepose_simulators.recording.files import (
     write_json,
     write_table,
 )
-from truepose_simulators.recording.plan import APPROACHES, Wishes
+from truepose_simulators.recording.plan import APPROACHES, RecordingRequest
 from truepose_simulators.scenarios.scenario import Scenario
 
 _CUP_READINGS = 10  # of each cup: 0.016 mm of one reading become 0.005
@@ -51,13 +51,15 @@ _PLACEMENTS_OFF_MM = 50.0  # no robot is off by that much: the plan is of anothe
 
 
 @dataclass(frozen=True, slots=True)
-class BallbarWishes:
+class BallbarRecordingRequest:
     """What a recorded ballbar campaign should be."""
 
     aimed: bool = False  # joints corrected as after a pre-calibration; else poses as planned
     aim_error_mm: float = 0.05  # standard deviation by which a pre-calibrated model misses a length
     approach: str = "mixed"
-    tracker: Wishes = field(default_factory=lambda: Wishes(configurations=50, validation=3000, attachments=1))
+    tracker: RecordingRequest = field(
+        default_factory=lambda: RecordingRequest(configurations=50, validation=3000, attachments=1)
+    )
 
     def __post_init__(self) -> None:
         if self.aim_error_mm < 0.0:
@@ -85,7 +87,7 @@ def record_ballbar(
     scenario: Scenario,
     seed: int,
     plan: BallbarPlan,
-    wishes: BallbarWishes,
+    wishes: BallbarRecordingRequest,
     model: IdentifiedModel | None = None,
 ) -> BallbarRecording:
     """Record a ballbar campaign of the cell that scenario, seed and perhaps a model give.
@@ -164,7 +166,12 @@ def _check_cups(plan: BallbarPlan, cups: Cups) -> None:
 
 
 def _aimed(
-    cell: Cell, tour: Tour, legs: PlannedLegs, cups: Cups, wishes: BallbarWishes, rng: np.random.Generator
+    cell: Cell,
+    tour: Tour,
+    legs: PlannedLegs,
+    cups: Cups,
+    wishes: BallbarRecordingRequest,
+    rng: np.random.Generator,
 ) -> tuple[Tour, BoolArray]:
     wanted = legs.aimed_mm + wishes.aim_error_mm * rng.standard_normal(len(legs.aimed_mm))
     joints, reached = aim_legs(cell, tour, legs, cups.true_mm[cups.of_legs(legs, tour)], wanted)
@@ -172,7 +179,7 @@ def _aimed(
 
 
 def _set_up_anew(
-    cell: Cell, plan: BallbarPlan, tour: Tour, wishes: BallbarWishes, rng: np.random.Generator
+    cell: Cell, plan: BallbarPlan, tour: Tour, wishes: BallbarRecordingRequest, rng: np.random.Generator
 ) -> Tour:
     """Aim the set-ups of later placements: the legs of the first are what the model learnt from."""
     stated = {

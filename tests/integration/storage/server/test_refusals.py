@@ -10,7 +10,7 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_se
 from tests.helpers.postgresql.line import Line
 from tests.helpers.postgresql.server import own_server
 from truepose import health
-from truepose.health import Lookout
+from truepose.health import HealthMonitor
 from truepose.storage.database import Database
 from truepose.storage.engine.reading import require_library
 from truepose.storage.errors import (
@@ -110,7 +110,7 @@ class NoDevices:
 
 async def test_a_server_that_is_away_does_not_have_the_service_ended(database_over_line, line, monkeypatch):
     monkeypatch.setattr("truepose.health._KEPT_S", 0.0)
-    lookout = Lookout(database_over_line, NoDevices(), make_setup().cell, None, lambda: 0)
+    lookout = HealthMonitor(database_over_line, NoDevices(), make_setup().cell, None, lambda: 0)
     before = await lookout.state()
     line.cut()
     away = await lookout.state()
@@ -127,7 +127,7 @@ async def test_a_server_that_is_silent_for_long_does_not_have_the_service_ended_
     for name, seconds in {"_KEPT_S": 0.0, "_PATIENCE_S": 0.01, "_SILENT_S": 0.0}.items():
         monkeypatch.setattr(health, name, seconds)
     monkeypatch.setattr(health, "counted", lambda _database: asyncio.sleep(60))
-    lookout = Lookout(database, NoDevices(), make_setup().cell, None, lambda: 0)
+    lookout = HealthMonitor(database, NoDevices(), make_setup().cell, None, lambda: 0)
 
     first, later = [(await lookout.state()).records for _ in range(2)]
 

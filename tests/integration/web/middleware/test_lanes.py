@@ -9,7 +9,7 @@ from fastapi.responses import StreamingResponse
 
 from tests.helpers.web.routes import paths_answering, paths_of, routes_alone
 from truepose.web.middleware import priority
-from truepose.web.middleware.priority import Lanes
+from truepose.web.middleware.priority import ConcurrencyLimits
 
 APP = routes_alone()
 PAUSE, LOOK = "/api/v1/sessions/1/commands", "/api/v1/sessions"
@@ -39,7 +39,9 @@ def held():
 
 @pytest.fixture
 async def client(held):
-    async with httpx.AsyncClient(transport=httpx.ASGITransport(Lanes(held)), base_url="http://h") as opened:
+    async with httpx.AsyncClient(
+        transport=httpx.ASGITransport(ConcurrencyLimits(held)), base_url="http://h"
+    ) as opened:
         yield opened
         held.go.set()
 
@@ -107,7 +109,7 @@ async def test_who_sends_slowly_takes_no_place():
     async def drop(message):
         raise AssertionError(message)
 
-    door = Lanes(Held())
+    door = ConcurrencyLimits(Held())
     scope = {"type": "http", "method": "POST", "path": LOOK, "headers": [], "query_string": b""}
     senders = [asyncio.create_task(door(scope, receive, drop)) for _ in range(100)]
     async with httpx.AsyncClient(transport=httpx.ASGITransport(door), base_url="http://h") as other:

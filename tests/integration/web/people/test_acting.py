@@ -12,7 +12,7 @@ from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
 from truepose.domain.people import Role
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.messages.message import leading_key
-from truepose.people.accounts import Chosen
+from truepose.people.accounts import Preferences
 from truepose.people.leases import LEASE_S
 from truepose.web.middleware.authorization import AuthorizationMiddleware
 from truepose.web.middleware.routing import operations_of
@@ -76,7 +76,7 @@ async def test_a_name_need_not_be_said_twice(alan, started, bench):
 
 async def test_nothing_moves_before_it_was_shown_once_more_who_it_is(house, started, bench):
     path, prompt = started
-    await house.here.accounts.choose(house.people[Role.OPERATOR], Chosen(pin=PIN))
+    await house.here.accounts.choose(house.people[Role.OPERATOR], Preferences(pin=PIN))
     async with await house.browser(Role.OPERATOR, fresh=False) as stale:
         refused = await command(stale, path, "confirm", prompt_id=prompt, person=None)
         assert (refused.status_code, refused.json()["type"]) == (403, FRESH)
@@ -181,7 +181,7 @@ async def test_every_act_is_on_record_with_its_person(house, alan, started):
 
 
 async def test_signing_in_and_lock_outs_are_on_record_and_a_flood_is_not(house):
-    await house.here.accounts.choose(house.people[Role.OPERATOR], Chosen(password=PASSWORD))
+    await house.here.accounts.choose(house.people[Role.OPERATOR], Preferences(password=PASSWORD))
     async with house.client() as browser:
         good = {"name": "Alan Turing", "password": PASSWORD}
         assert (await browser.post("/api/v1/sign-ins", json=good)).status_code == 201

@@ -15,7 +15,7 @@ from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.robots import ARMS
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ConfiguredLink, Scenario
 
@@ -72,7 +72,7 @@ class Robots:
         )
         seed = int(np.random.SeedSequence([self.seed, number]).generate_state(1)[0])
         cell = Cell(visit.cell(scenario), seed, CellClock(0))
-        wishes = Wishes(configurations=visit.configurations, validation=0, attachments=1)
+        wishes = RecordingRequest(configurations=visit.configurations, validation=0, attachments=1)
         return visit.written(campaign_of(cell, wishes))
 
     def _everyday(self, robot: int, number: int) -> tuple[PlantedChange, ...]:

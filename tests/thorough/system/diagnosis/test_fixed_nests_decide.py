@@ -12,7 +12,7 @@ from truepose.messages.catalogue import english
 from truepose.messages.message import message
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 CONTRADICTED = english(message("causes.contradicted_by_nests"))
@@ -34,7 +34,7 @@ KICK = ("unnamed", "tracker, time, jump")
 def recorded(folder, seed, text=NOTHING):
     scenario = folder / "scenario.toml"
     scenario.write_text(text, encoding="utf-8")
-    write_campaign(record(load_scenario(str(scenario)), seed, Wishes(), None), folder)
+    write_campaign(record(load_scenario(str(scenario)), seed, RecordingRequest(), None), folder)
     return read_campaign(folder)
 
 

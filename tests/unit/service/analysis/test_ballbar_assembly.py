@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.ballbar.sessions import make_length
 from tests.helpers.domain.tracker_sessions import make_setup
 from truepose.analysis.campaigns.ballbar import (
-    Counting,
-    LegKept,
-    SetupKept,
-    SideKept,
+    ValidCupSetup,
+    ValidLength,
+    ValidReadings,
+    ValidSide,
     assemble_ballbar_campaign,
 )
 from truepose.analysis.errors import NothingMeasuredError
@@ -22,13 +22,13 @@ from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campai
 
 ARRIVAL = ArrivalTaken((0.1, 0.2), (0.1001, 0.2001), (1, -1), 50.0)
 LEGS = (
-    LegKept(1, 4, 1, (2, 3), make_length(300.25), ARRIVAL, 4),
-    LegKept(1, 4, 2, (1, 1), make_length(299.75, initialisation=2), ARRIVAL, 6),
+    ValidLength(1, 4, 1, (2, 3), make_length(300.25), ARRIVAL, 4),
+    ValidLength(1, 4, 2, (1, 1), make_length(299.75, initialisation=2), ARRIVAL, 6),
 )
-COUNTING = Counting(
+COUNTING = ValidReadings(
     LEGS,
-    (SideKept(0, (1, 2), make_length(150.1)), SideKept(1, (2, 3), make_length(300.2))),
-    (SetupKept(1, 2, ARRIVAL),),
+    (ValidSide(0, (1, 2), make_length(150.1)), ValidSide(1, (2, 3), make_length(300.2))),
+    (ValidCupSetup(1, 2, ARRIVAL),),
     ("Skipped: placement-1/pose-5, out of range.",),
     (7,),
 )
@@ -68,7 +68,7 @@ def test_triangles_and_setups_tie_the_cups():
 
 
 def test_a_session_without_triangles_has_no_such_tables():
-    campaign = assemble(counting=Counting(LEGS))
+    campaign = assemble(counting=ValidReadings(LEGS))
 
     assert campaign.fixture is None
     assert campaign.setup is None
@@ -114,9 +114,9 @@ def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_u
     foreign = make_length(
         300.1, instrument_serial="B-9", certificate="", certificate_expires="", standard_uncertainty_mm=0.0052
     )
-    legs = (*LEGS, LegKept(1, 5, 1, (3, 1), foreign, ARRIVAL, 5))
+    legs = (*LEGS, ValidLength(1, 5, 1, (3, 1), foreign, ARRIVAL, 5))
 
-    campaign = assemble(kit=kit, counting=Counting(legs))
+    campaign = assemble(kit=kit, counting=ValidReadings(legs))
 
     assert campaign.legs.standard_uncertainty_mm.tolist() == [0.0017, 0.0017, 0.0052]
     notes = " ".join(campaign.notes)
@@ -128,7 +128,7 @@ def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_u
 
 def test_a_ballbar_of_which_no_paper_was_ever_stated_is_named_and_no_more():
     notes = " ".join(
-        assemble(counting=Counting((LegKept(1, 4, 1, (1, 1), make_length(), ARRIVAL, 4),))).notes
+        assemble(counting=ValidReadings((ValidLength(1, 4, 1, (1, 1), make_length(), ARRIVAL, 4),))).notes
     )
 
     assert "without a certificate" not in notes

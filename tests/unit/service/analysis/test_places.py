@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from truepose.analysis.job_queue.scheduling import Places
+from truepose.analysis.job_queue.scheduling import WorkerSlots
 
 SHORT, LONG = 1.0, 100.0
 
@@ -41,7 +41,7 @@ async def settled():
 
 @pytest.fixture
 async def bench():
-    opened = Bench(Places())
+    opened = Bench(WorkerSlots())
     yield opened
     for task in opened.tasks:
         task.cancel()
@@ -106,7 +106,7 @@ async def test_one_that_goes_away_leaves_its_place_in_the_queue(bench):
 
 
 async def test_a_job_that_proves_to_be_long_holds_up_no_short_one():
-    bench = Bench(Places(short_s=0.02))
+    bench = Bench(WorkerSlots(short_s=0.02))
     await bench.ask(1, LONG)
     await bench.ask(2, 0.01)
     await bench.ask(3, 0.01)

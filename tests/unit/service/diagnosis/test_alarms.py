@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.diagnosis.alarms import CauseGrowth, NewCause, alarms
 from truepose.diagnosis.history import DatedDiagnosis, compare
-from truepose.domain.diagnosis import Confidence, RuledOut, Worth
+from truepose.domain.diagnosis import Confidence, EffectSize, RuledOut
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 LOOKED_FOR = RuledOut("backlash", "joint 3", "chance", p_value=1.0, upper_limit_mm=0.005)
@@ -55,7 +55,7 @@ def test_what_noise_explains_is_no_alarm():
 
 
 def test_a_cause_larger_than_it_can_have_been_has_appeared():
-    found = backlash(0.021, worth=Worth(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
+    found = backlash(0.021, worth=EffectSize(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
 
     (alarm,) = raised(dated(1, SPRING, ruled_out=(LOOKED_FOR,)), dated(2, AUTUMN, found))
 
@@ -67,17 +67,19 @@ def test_a_cause_larger_than_it_can_have_been_has_appeared():
     [
         ((), {}),  # nobody looked for it
         ((LOOKED_FOR,), {"confidence": Confidence.LIKELY}),
-        ((LOOKED_FOR,), {"worth": Worth(0.03, 0.05, 0.006)}),  # of which 0.0043 mm are sure
+        ((LOOKED_FOR,), {"worth": EffectSize(0.03, 0.05, 0.006)}),  # of which 0.0043 mm are sure
         ((RuledOut("backlash", "joint 3", "not shown", visible=False),), {}),
     ],
 )
 def test_a_cause_that_may_have_been_there_before_is_no_alarm(ruled_out, changes):
-    found = backlash(0.021, **{"worth": Worth(0.03, 0.05, 0.02), "confidence": Confidence.CERTAIN, **changes})
+    found = backlash(
+        0.021, **{"worth": EffectSize(0.03, 0.05, 0.02), "confidence": Confidence.CERTAIN, **changes}
+    )
 
     assert not raised(dated(1, SPRING, ruled_out=ruled_out), dated(2, AUTUMN, found))
 
 
 def test_measurements_without_a_day_raise_nothing():
-    found = backlash(0.045, worth=Worth(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
+    found = backlash(0.045, worth=EffectSize(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
 
     assert not raised(dated(1, None, backlash(0.021)), dated(2, None, found))

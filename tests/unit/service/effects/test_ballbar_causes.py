@@ -16,7 +16,7 @@ from tests.helpers.diagnosis.leg_scenes import (
 )
 from tests.helpers.diagnosis.point_scenes import telling_scene
 from tests.helpers.identification.synthetic import leg_campaign
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
@@ -84,10 +84,10 @@ def test_a_zero_is_shown_as_its_root_mean_square():
     values = 0.006 * (-1.0) ** np.arange(10)
 
     still = CAUSES["ballbar_zero"].describe(
-        "ballbar", Fitted(constant.names, values, 1e-14 * np.eye(10)), leg_scene()
+        "ballbar", FittedCause(constant.names, values, 1e-14 * np.eye(10)), leg_scene()
     )
     grown = CAUSES["ballbar_zero"].describe(
-        "ballbar", Fitted(growing.names, np.full(10, 0.09), 1e-14 * np.eye(10)), leg_scene()
+        "ballbar", FittedCause(growing.names, np.full(10, 0.09), 1e-14 * np.eye(10)), leg_scene()
     )
 
     assert (still.amplitude, still.unit) == (pytest.approx(0.006), "mm")
@@ -103,7 +103,7 @@ def test_noise_in_the_zeros_is_not_taken_for_their_size():
     values = 0.004 * rng.standard_normal(10)
 
     shown = CAUSES["ballbar_zero"].describe(
-        "ballbar", Fitted(constant.names, values, 0.004**2 * np.eye(10)), leg_scene()
+        "ballbar", FittedCause(constant.names, values, 0.004**2 * np.eye(10)), leg_scene()
     )
 
     assert shown.amplitude < 3.0 * shown.standard_uncertainty
@@ -151,7 +151,7 @@ def test_a_fixture_is_shown_to_move_as_far_as_it_does_where_it_stands():
     about_centre = np.concatenate([np.array([0.05, 0.0, 0.0]) - np.cross(turn, centre), turn])
 
     shown = CAUSES["fixture_shift"].describe(
-        "placement 1", Fitted(names, about_centre, 1e-16 * np.eye(6)), here
+        "placement 1", FittedCause(names, about_centre, 1e-16 * np.eye(6)), here
     )
 
     assert shown.amplitude == pytest.approx(0.05, rel=1e-3)

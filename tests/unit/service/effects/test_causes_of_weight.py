@@ -11,7 +11,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRow, LinkMass, Robot
 from truepose.effects.arm.link_bending import beams
 from truepose.effects.arm.loads import mass_specs, stated_mass, wrong_mass
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.ports import PortKind, Rows, known_frames
 from truepose.effects.registry import CAUSES
 from truepose.kinematics.chain import forward, nominal_chain, nominal_values
@@ -117,7 +117,7 @@ def posterior(specs, truth, information):
     """What a fit with independent priors of mean 0 makes of readings with this information."""
     precision = np.diag([spec.prior_width**-2 for spec in specs])
     covariance = np.linalg.inv(information + precision)
-    return Fitted(tuple(spec.name for spec in specs), covariance @ information @ truth, covariance)
+    return FittedCause(tuple(spec.name for spec in specs), covariance @ information @ truth, covariance)
 
 
 def test_amount_and_centre_of_gravity_are_told_apart_where_the_data_see_all_of_it():
@@ -257,10 +257,10 @@ def test_bending_is_told_as_the_sag_of_the_stretched_arm():
     upper, both = 8e-12, (8e-12, 6e-12)
 
     alone = CAUSES["link_bending"].describe(
-        "link 2", Fitted(("sag_2",), np.array([upper]), np.eye(1) * 1e-26), scene
+        "link 2", FittedCause(("sag_2",), np.array([upper]), np.eye(1) * 1e-26), scene
     )
     together = CAUSES["link_bending"].describe(
-        "links", Fitted(("sag_2", "sag_3"), np.array(both), np.diag([1e-26, 1e-26])), scene
+        "links", FittedCause(("sag_2", "sag_3"), np.array(both), np.diag([1e-26, 1e-26])), scene
     )
 
     # Straight from the elbow the wrist is 310 mm away and the flange 72 mm further. On the forearm 5 kg sit
@@ -301,7 +301,7 @@ def test_a_base_tilts_by_its_compliance_times_the_moment_of_all_weights_about_it
 
 def test_a_soft_base_is_told_in_radians_per_moment():
     shown = CAUSES["base_compliance"].describe(
-        "base", Fitted(("base_c",), np.array([5e-9]), np.array([[1e-20]])), telling_scene()
+        "base", FittedCause(("base_c",), np.array([5e-9]), np.array([[1e-20]])), telling_scene()
     )
 
     assert (shown.amplitude, shown.unit) == (5e-9, "rad/(N*mm)")

@@ -19,11 +19,11 @@ from truepose.effects.ports import (
     Compliant,
     Discrepancy,
     Drifting,
+    EffectWithTraits,
     LeavesOpen,
     Port,
     PortKind,
     Summed,
-    Telling,
     Trait,
 )
 from truepose.effects.registry import EFFECTS, goes_on
@@ -157,7 +157,7 @@ def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thi
     assert guarded.unmodelled(setting, rows.stops)
     assert isinstance(guarded, Compliant)
     assert guarded.softness(("acme_1",), np.array([0.25]), 2, None) == pytest.approx(3e-9)
-    assert isinstance(guarded, Telling)
+    assert isinstance(guarded, EffectWithTraits)
 
 
 def test_what_lacks_an_ability_does_nothing_of_the_kind(brought):

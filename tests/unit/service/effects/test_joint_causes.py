@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
@@ -31,7 +31,7 @@ def with_stops(scene, **columns):
 
 def fitted(*names_and_values, spread=0.0):
     names, values = zip(*names_and_values, strict=True)
-    return Fitted(names, np.array(values), spread**2 * np.eye(len(names)))
+    return FittedCause(names, np.array(values), spread**2 * np.eye(len(names)))
 
 
 def seven_axes(seed=7, **changes):
@@ -215,7 +215,7 @@ def test_without_masses_a_spring_is_all_its_products_and_its_size_is_the_deflect
     deflection = sum(term.weight * 1e-6 for term in CAUSES["compliance"].terms(candidate.names, rows))
 
     shown = CAUSES["compliance"].describe(
-        "joint 5", Fitted(candidate.names, values, 1e-24 * np.eye(len(values))), scene
+        "joint 5", FittedCause(candidate.names, values, 1e-24 * np.eye(len(values))), scene
     )
 
     assert candidate.names == ("c_5*mx_5", "c_5*my_5", "c_5*mx_6", "c_5*my_6")
@@ -288,7 +288,7 @@ def test_softness_is_told_relative_to_the_springs_of_the_model():
     covariance = np.diag([(0.3 * springs[1]) ** 2, (0.1 * springs[2]) ** 2])
 
     shown = CAUSES["compliance_nonlinear"].describe(
-        "joints", Fitted(names, np.array(numbers), covariance), scene
+        "joints", FittedCause(names, np.array(numbers), covariance), scene
     )
 
     # each weighted by its inverse variance: (0.4 / 0.09 + 0.6 / 0.01) / (1 / 0.09 + 1 / 0.01)

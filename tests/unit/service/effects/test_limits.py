@@ -5,13 +5,13 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.effects.arm.loads import stated_mass
-from truepose.effects.causes import SPRING, Description, Fitted
+from truepose.effects.causes import SPRING, Description, FittedCause
 from truepose.effects.registry import CAUSES
 
 
 def described(cause, subject, values, relative=1e-3):
     spread = relative * np.abs(list(values.values()))
-    fitted = Fitted(tuple(values), np.array(list(values.values())), np.diag(spread**2))
+    fitted = FittedCause(tuple(values), np.array(list(values.values())), np.diag(spread**2))
     return CAUSES[cause].describe(subject, fitted, telling_scene())
 
 
@@ -60,7 +60,7 @@ def test_a_mass_is_not_misstated_by_more_than_its_half(cause):
         frame = 6 if cause == "payload" else int(candidate.subject.split()[1])
         stated = stated_mass(scene.setting.robot, frame - 1)
         extra = share * stated.mass_kg * np.array([1.0, *stated.centre_of_gravity_mm])
-        fitted = Fitted(candidate.names, extra, np.diag([1e-8, 1e-4, 1e-4, 1e-4]))
+        fitted = FittedCause(candidate.names, extra, np.diag([1e-8, 1e-4, 1e-4, 1e-4]))
         return CAUSES[cause].describe(candidate.subject, fitted, scene)
 
     assert not with_share(0.3).impossible

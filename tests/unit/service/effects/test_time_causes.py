@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
 from truepose.domain.campaign import Stops
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.motions import Motion, Widths, gaps, motion_specs
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
@@ -38,7 +38,7 @@ def rows(campaign=None):
 
 def six(prefix, vector, spread=1e-6):
     names = tuple(spec.name for spec in motion_specs(prefix, Widths(1.0, 1.0)))
-    return Fitted(names, np.array(vector, dtype=float), spread**2 * np.eye(6))
+    return FittedCause(names, np.array(vector, dtype=float), spread**2 * np.eye(6))
 
 
 @pytest.mark.parametrize("cause", [*DRIFTS, "base_shift"])
@@ -114,7 +114,7 @@ def test_a_jump_leaves_rows_without_a_time_where_they_were_before():
 @pytest.mark.parametrize("cause", DRIFTS)
 def test_a_drift_is_shown_as_the_length_of_its_shift_per_hour(cause):
     (linear, *_) = CAUSES[cause].candidates(telling_scene())
-    fitted = Fitted(linear.names, np.array([0.03, -0.06, 0.06, 0.0, 4e-5, 3e-5]), 1e-18 * np.eye(6))
+    fitted = FittedCause(linear.names, np.array([0.03, -0.06, 0.06, 0.0, 4e-5, 3e-5]), 1e-18 * np.eye(6))
 
     shown = CAUSES[cause].describe(linear.subject, fitted, telling_scene())
 
@@ -140,7 +140,7 @@ def test_a_settling_drift_is_shown_as_its_mean_rate_over_the_measurements():
 def test_two_shapes_of_one_drift_are_added_up():
     scene = telling_scene()
     linear, settling = six("drift_linear", [0.1, 0, 0, 0, 0, 0]), six("drift_exp300", [-0.1, 0, 0, 0, 0, 0])
-    both = Fitted(
+    both = FittedCause(
         linear.names + settling.names,
         np.concatenate([linear.values, settling.values]),
         np.diag(np.full(12, 1e-12)),
@@ -221,7 +221,7 @@ def test_a_jump_is_shown_with_its_size_and_its_time_as_well_as_the_gap_tells_it(
 
 def test_of_two_jumps_the_larger_is_the_amplitude():
     one, two = six("jump_1105", [0.03, 0, 0, 0, 0, 0]), six("jump_1405", [0, 0, -0.07, 0, 0, 0])
-    both = Fitted(one.names + two.names, np.concatenate([one.values, two.values]), 1e-12 * np.eye(12))
+    both = FittedCause(one.names + two.names, np.concatenate([one.values, two.values]), 1e-12 * np.eye(12))
 
     shown = CAUSES["base_shift"].describe("base", both, telling_scene())
 

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
 from tests.helpers.diagnosis.seats import GROUPS, SHIFT_MM, TURN_RAD, WIDTHS, posterior
 from truepose.domain.robot import Nest
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.ports import PortKind
 from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
@@ -37,7 +37,7 @@ def rows(campaign):
 
 
 def share(value, uncertainty):
-    return Fitted((), np.array([value]), np.array([[uncertainty**2]]))
+    return FittedCause((), np.array([value]), np.array([[uncertainty**2]]))
 
 
 def test_each_certified_nest_may_be_off_as_long_as_another_is_not():
@@ -85,7 +85,7 @@ def test_an_offset_nest_is_where_its_certificate_and_the_offset_put_it():
 
 def test_an_offset_is_shown_as_its_length():
     names = ("offset_2_x", "offset_2_y", "offset_2_z")
-    fitted = Fitted(names, np.array([0.02, -0.04, 0.04]), 1e-12 * np.eye(3))
+    fitted = FittedCause(names, np.array([0.02, -0.04, 0.04]), 1e-12 * np.eye(3))
 
     shown = CAUSES["nest_offset"].describe("nest 2", fitted, telling_scene())
 
@@ -127,10 +127,10 @@ def test_seats_are_shown_as_a_standard_deviation_whatever_the_order_of_their_nam
     shuffled = rng.permutation(24)
 
     straight = CAUSES["tool_reseating"].describe(
-        "tool", Fitted(tuple(names), values, 1e-12 * np.eye(24)), telling_scene()
+        "tool", FittedCause(tuple(names), values, 1e-12 * np.eye(24)), telling_scene()
     )
     mixed = CAUSES["tool_reseating"].describe(
-        "tool", Fitted(tuple(names[shuffled]), values[shuffled], 1e-12 * np.eye(24)), telling_scene()
+        "tool", FittedCause(tuple(names[shuffled]), values[shuffled], 1e-12 * np.eye(24)), telling_scene()
     )
 
     assert mixed.amplitude == pytest.approx(straight.amplitude)
@@ -200,7 +200,7 @@ def test_an_arm_whose_lengths_are_given_shows_the_scale_by_itself():
 
 @pytest.mark.parametrize(("scale", "word"), [(2e-5, "long"), (-2e-5, "short")])
 def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
-    fitted = Fitted(("scale",), np.array([scale]), np.array([[1e-12]]))
+    fitted = FittedCause(("scale",), np.array([scale]), np.array([[1e-12]]))
 
     shown = CAUSES["instrument_scale"].describe("tracker", fitted, telling_scene())
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.effects.ports import Telling, Trait
+from truepose.effects.ports import EffectWithTraits, Trait
 from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
@@ -19,7 +19,7 @@ def test_of_some_effects_it_is_so_and_of_others_not(trait):
 
 
 def test_an_effect_that_tells_nothing_has_no_trait():
-    silent = [name for name, effect in EFFECTS.items() if not isinstance(effect, Telling)]
+    silent = [name for name, effect in EFFECTS.items() if not isinstance(effect, EffectWithTraits)]
 
     assert "link_bending" in silent
     assert not [name for trait in Trait for name in effects_with(trait) if name in silent]

@@ -16,7 +16,7 @@ from tests.helpers.diagnosis.point_scenes import (
 )
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS
-from truepose.effects.causes import Fitted
+from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES, needs_of
 from truepose.effects.unclassified.cause import KINDS
 from truepose.effects.unclassified.kinds import key_of
@@ -54,7 +54,7 @@ def state_with(specs, values):
 
 
 def described(names, values, spread=1e-9):
-    fitted = Fitted(tuple(names), np.array(values, dtype=float), spread**2 * np.eye(len(values)))
+    fitted = FittedCause(tuple(names), np.array(values, dtype=float), spread**2 * np.eye(len(values)))
     subject = next(c.subject for c in UNNAMED.candidates(telling_scene()) if c.names[0] == names[0])
     return UNNAMED.describe(subject, fitted, telling_scene())
 
@@ -248,7 +248,7 @@ def test_of_many_readings_not_every_gap_is_tried_and_the_moment_is_known_less_we
     scene = telling_scene(campaign=telling_campaign(200))
     jumps = [c for c in UNNAMED.candidates(scene) if c.subject == "joint 3, time, jump"]
 
-    fitted = Fitted(jumps[20].names, np.array([1e-4]), np.array([[1e-12]]))
+    fitted = FittedCause(jumps[20].names, np.array([1e-4]), np.array([[1e-12]]))
     (moment,) = UNNAMED.describe(jumps[20].subject, fitted, scene).details
 
     assert len(jumps) <= 60
@@ -263,7 +263,7 @@ def test_a_kick_is_tried_whenever_the_base_may_have_jumped(readings):
 
     assert [c.variant for c in kicks] == [c.variant for c in CAUSES["base_shift"].candidates(scene)]
     (moment, _) = UNNAMED.describe(
-        kicks[8].subject, Fitted(kicks[8].names, np.full(6, 1e-4), 1e-12 * np.eye(6)), scene
+        kicks[8].subject, FittedCause(kicks[8].names, np.full(6, 1e-4), 1e-12 * np.eye(6)), scene
     ).details
     apart_s = kicks[9].variant - kicks[8].variant
     assert moment.standard_uncertainty == pytest.approx(apart_s / np.sqrt(12.0))

@@ -18,7 +18,7 @@ from tests.helpers.diagnosis.answers import (
     make_unseen_points,
     make_wave,
 )
-from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
+from truepose.domain.diagnosis import Diagnosis, EffectSize, Finding, Gain, Remaining, RuledOut
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.documents import from_document, to_document
 
@@ -119,7 +119,9 @@ def test_a_stored_diagnosis_prints_the_same_document(diagnosis):
 
 
 def test_a_finding_says_its_place_its_variable_its_shape_and_its_worth():
-    placed = make_wave(where="joint 6", over="angle of joint 6", shape="wave", worth=Worth(0.04, math.nan))
+    placed = make_wave(
+        where="joint 6", over="angle of joint 6", shape="wave", worth=EffectSize(0.04, math.nan)
+    )
 
     (finding,) = printed(make_diagnosis(findings=(placed,)))["findings"]
 

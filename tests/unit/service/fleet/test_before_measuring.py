@@ -17,12 +17,12 @@ from truepose.fleet.predicted_accuracy import lacking_mm, promise
 from truepose.fleet.sentences import new_robot_said
 from truepose.identification.problem.build import JointPrior
 from truepose.messages.catalogue import english
-from truepose.planning.prediction.expected_covariance import ArmKnowledge, Knowns
+from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 
 _LIMIT_MM = 0.05
 
@@ -39,13 +39,13 @@ def space(cell):
 
 @pytest.fixture(scope="module")
 def knowns(cell):
-    return Knowns(fixed_nests=cell.fixed_nests)
+    return PriorKnowledge(fixed_nests=cell.fixed_nests)
 
 
 @pytest.fixture(scope="module")
 def campaign():
     robot = draw_fleet(1, robots=2, ageing=0).robots[0]
-    wishes = Wishes(configurations=60, validation=0, attachments=1)
+    wishes = RecordingRequest(configurations=60, validation=0, attachments=1)
     return campaign_of(Cell(robot.scenario(0.0, 0.0), 1, CellClock(0)), wishes)
 
 

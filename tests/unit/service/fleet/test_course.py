@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.fleet.linear import Dense, drawn
 from truepose.fleet.causes import robot_causes
-from truepose.fleet.changes import Account, Tries
+from truepose.fleet.changes import Account, AlternativesTried
 from truepose.fleet.mixed_model import Equations, estimate
 from truepose.fleet.trend import course
 
@@ -20,7 +20,7 @@ def made():
 @pytest.fixture(scope="module")
 def account(made):
     fleet = made.fleet()
-    return Account(fleet, estimate(Equations(fleet)), 1.0, (), Tries((), (), {}, 0.01))
+    return Account(fleet, estimate(Equations(fleet)), 1.0, (), AlternativesTried((), (), {}, 0.01))
 
 
 def _link(account):

@@ -10,14 +10,14 @@ from truepose.identification.fit.robust import robust_fit
 from truepose.identification.problem.build import build
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 
 
 @pytest.fixture(scope="module")
 def campaign():
     robot = draw_fleet(1, robots=2, ageing=0).robots[0]
     cell = Cell(robot.scenario(0.0, 0.0), 1, CellClock(0))
-    return campaign_of(cell, Wishes(configurations=30, validation=0, attachments=1))
+    return campaign_of(cell, RecordingRequest(configurations=30, validation=0, attachments=1))
 
 
 def test_with_its_priors_again_it_gives_what_was_identified(campaign):

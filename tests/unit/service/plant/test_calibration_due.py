@@ -5,8 +5,8 @@ from datetime import date, timedelta
 import pytest
 
 from truepose.messages.catalogue import english
-from truepose.plant.calibration_due import DueAfter, Evidence, Why, standing_robots
-from truepose.storage.caches import Compared, Foreseen
+from truepose.plant.calibration_due import DueAfter, DueReason, Evidence, standing_robots
+from truepose.storage.caches import FleetComparison, LimitForecast
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 
 TODAY = date(2026, 11, 23)
@@ -54,7 +54,10 @@ def test_a_validation_that_failed_says_by_how_much():
     broken = told("validation", 3, "failed", 0.412, 0.031, promised=True)
 
     assert reasons(beyond) == [
-        (Why.FAILED, "Validation 3 of 2026-11-20 did not pass: up to 0.412 mm, where 0.300 mm are allowed.")
+        (
+            DueReason.FAILED,
+            "Validation 3 of 2026-11-20 did not pass: up to 0.412 mm, where 0.300 mm are allowed.",
+        )
     ]
     (promise,) = reasons(broken)
     assert promise[1].endswith("0.412 mm on average, where the model claims 0.031 mm.")
@@ -66,7 +69,7 @@ def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
     (found,) = reasons(endless)
 
     assert found == (
-        Why.FAILED,
+        DueReason.FAILED,
         "Validation 3 of 2026-11-20 did not pass: its error is no finite number.",
     )
     assert reasons(endless, told("model", 2)) == []
@@ -76,14 +79,14 @@ def test_a_model_that_was_made_after_it_answers_a_failed_validation():
     failed = told("validation", 9, "failed", 0.412, 0.3, promised=False)
 
     assert reasons(failed, told("model", 3)) == []
-    assert [why for why, _ in reasons(failed, told("model", 20))] == [Why.FAILED]
+    assert [why for why, _ in reasons(failed, told("model", 20))] == [DueReason.FAILED]
 
 
 def test_a_certificate_counts_on_the_day_of_the_measurement():
     assert reasons(expires={"T-7": day(3)}) == []
     (found,) = reasons(expires={"T-7": day(4)})
     assert found == (
-        Why.UNCERTIFIED,
+        DueReason.UNCERTIFIED,
         "Last measured on 2026-11-20 with T-7, whose certificate ended on 2026-11-19.",
     )
 
@@ -103,7 +106,7 @@ def test_a_certificate_counts_on_the_day_of_the_measurement():
 def test_a_model_is_older_than_what_the_robot_carries_and_where_it_stands(now, said):
     found = reasons(told("model", 9, tool="plate 1", base=[0.0]), told("campaign", 3, **now))
 
-    assert [why for why, _ in found] == ([Why.CHANGED] if said else [])
+    assert [why for why, _ in found] == ([DueReason.CHANGED] if said else [])
     assert said is None or said in found[0][1]
 
 
@@ -114,7 +117,7 @@ def test_a_model_made_with_what_it_carries_now_is_not_older():
 def test_a_diagnosis_says_what_it_leaves_open_until_the_robot_is_measured_again():
     open_one = told("diagnosis", 3, "unexplained", 0.21, asks=2)
 
-    assert [why for why, _ in reasons(open_one)] == [Why.UNEXPLAINED, Why.ASKED]
+    assert [why for why, _ in reasons(open_one)] == [DueReason.UNEXPLAINED, DueReason.ASKED]
     assert reasons(open_one)[0][1] == (
         "Diagnosis 4 of 2026-11-20 leaves 0.210 mm on average that no cause explains."
     )
@@ -126,7 +129,7 @@ def test_a_type_has_its_own_interval():
 
     assert reasons(of=robot(ago=8), due=due) == []
     assert reasons(of=robot(ago=8, robot_type="IRB 6700"), due=due) == [
-        (Why.OVERDUE, "Last measured on 2026-11-15, 8 days ago; due after 7.")
+        (DueReason.OVERDUE, "Last measured on 2026-11-15, 8 days ago; due after 7.")
     ]
 
 
@@ -154,13 +157,13 @@ def test_the_first_is_the_most_urgent():
 
 
 def compared(*foreseen):
-    return Compared("IRB 120", "2026-11-21 08:00 UTC", 7, 0.1, foreseen)
+    return FleetComparison("IRB 120", "2026-11-21 08:00 UTC", 7, 0.1, foreseen)
 
 
 def growing(passes=60, earliest=20, since=150, last=3, serial="120-1"):
     """Return that a gap grows, and in how many days it passes the limit."""
     days = day(-passes), day(-earliest)
-    return Foreseen(serial, "backlash", "joint 5", 0.0, day(since), 0.06, 0.012, day(last), *days)
+    return LimitForecast(serial, "backlash", "joint 5", 0.0, day(since), 0.06, 0.012, day(last), *days)
 
 
 def foretold(*foreseen, of=None, due=None):
@@ -173,7 +176,7 @@ def foretold(*foreseen, of=None, due=None):
 def test_a_robot_that_passes_a_limit_before_it_is_due_is_measured_before():
     assert foretold(growing()) == [
         (
-            Why.WORSENING,
+            DueReason.WORSENING,
             "Backlash, joint 5: grows by 0.012 mm a month since 2026-06-26, passes 0.1 mm about 2027-01-22, "
             "with 5 % before 2026-12-13; measure before that, not only when it is due on 2026-12-20.",
         )
@@ -197,16 +200,16 @@ def test_a_measurement_after_the_comparison_answers_it():
 def test_a_limit_that_was_passed_says_since_when():
     ((why, sentence),) = foretold(growing(passes=-20, earliest=-40))
 
-    assert why == Why.WORSENING
+    assert why == DueReason.WORSENING
     assert "passed 0.1 mm about 2026-11-03; nobody has measured it since" in sentence
 
 
 def test_a_change_at_once_beyond_the_limit_is_a_reason():
-    step = Foreseen("120-1", "joint_harmonics", "joint 2", 60.0, day(40), 0.21, None, day(3))
+    step = LimitForecast("120-1", "joint_harmonics", "joint 2", 60.0, day(40), 0.21, None, day(3))
 
     ((why, sentence),) = foretold(step)
 
-    assert why == Why.WORSENING
+    assert why == DueReason.WORSENING
     assert sentence.startswith("Joint")
     assert "60 per turn: changed at once by 0.210 mm, first seen on 2026-10-14: more than 0.1 mm" in sentence
 

@@ -6,7 +6,7 @@ import pytest
 
 from truepose.domain.cell import Paper
 from truepose.messages.catalogue import LANGUAGES, catalogue, english
-from truepose.plant.changes import What, certificates_ended, robots_changed
+from truepose.plant.changes import ChangeKind, certificates_ended, robots_changed
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 
@@ -55,14 +55,14 @@ def test_where_nothing_changed_nothing_is_said():
 def test_an_error_says_from_what_to_what_and_by_which_records():
     assert changes(told("identification", 4, 33, 0.041), told("identification", 9, 3, 0.055)) == [
         (
-            What.ERROR,
+            ChangeKind.ERROR,
             "Mean error of the identified model rose from 0.041 mm on 2026-10-21 to 0.055 mm on 2026-11-20 "
             "(identification 9).",
         )
     ]
     assert changes(told("validation", 4, 33, 0.31, 0.3), told("validation", 9, 3, 0.08, 0.3)) == [
         (
-            What.ERROR,
+            ChangeKind.ERROR,
             "Largest error in validation fell from 0.310 mm on 2026-10-21 to 0.080 mm on 2026-11-20 "
             "(validation 9).",
         )
@@ -74,7 +74,7 @@ def test_a_mean_is_not_compared_with_a_largest_error():
 
     ((what, sentence),) = changes(largest, mean)
 
-    assert what == What.ERROR
+    assert what == ChangeKind.ERROR
     assert sentence.startswith("Mean error in validation: 0.080 mm on 2026-11-20 (validation 9); there is no")
 
 
@@ -99,12 +99,12 @@ def test_causes_that_appear_and_go_away_are_named_with_their_figures():
 
     assert changes(before, now) == [
         (
-            What.CAUSE_NAMED,
+            ChangeKind.CAUSE_NAMED,
             "Diagnosis 9 of 2026-11-20 names what the one of 2026-10-21 did not: compliance, joint 2 "
             "(0.021 mm on average).",
         ),
         (
-            What.CAUSE_GONE,
+            ChangeKind.CAUSE_GONE,
             "Diagnosis 9 of 2026-11-20 no longer names what the one of 2026-10-21 did: drift "
             "(0.020 mm on average).",
         ),
@@ -116,7 +116,7 @@ def test_a_first_diagnosis_says_that_it_is_the_first_and_one_that_names_nothing_
 
     assert changes({}, found) == [
         (
-            What.CAUSE_NAMED,
+            ChangeKind.CAUSE_NAMED,
             "Diagnosis 9 of 2026-11-20, the first of this robot, names backlash, joint 4.",
         )
     ]

@@ -18,7 +18,7 @@ from truepose.reports.captions import (
     places_sentence,
     spectrum_sentence,
 )
-from truepose.reports.diagnosis.cause_map import CauseMap, MapCell
+from truepose.reports.diagnosis.cause_map import CauseMap, MapEntry
 from truepose.reports.diagnosis.report import DiagnosisReport
 from truepose.reports.identification.observability import (
     determined,
@@ -82,9 +82,9 @@ def test_of_waves_the_largest_beyond_its_uncertainty_is_told():
 
 def test_the_map_says_where_most_acts_and_nothing_of_rivals_alone():
     cells = (
-        MapCell("joint 6", "angle of joint 6", 0.8, (1,), ()),
-        MapCell("base", "time", 0.2, (2,), ()),
-        MapCell("joint 5", "time", 0.0, (), (1,)),
+        MapEntry("joint 6", "angle of joint 6", 0.8, (1,), ()),
+        MapEntry("base", "time", 0.2, (2,), ()),
+        MapEntry("joint 5", "time", 0.0, (), (1,)),
     )
 
     told = english(map_sentence(CauseMap((), (), cells, ())))

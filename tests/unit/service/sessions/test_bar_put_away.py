@@ -8,8 +8,8 @@ from tests.helpers.ballbar.cells import domain_cell
 from truepose.domain.cell import BallbarKit, DeviceEntry
 from truepose.domain.ledger import BALLBAR_ON
 from truepose.sessions.ballbar.removal_check import BarPutAway
-from truepose.sessions.devices import MountedDevice, Rack
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.devices import DeviceRegistry, MountedDevice
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError
 from truepose.storage.records import LedgerRecord, SessionSetup
 from truepose_drivers.api import BallbarReading
@@ -52,7 +52,7 @@ def rack_with(deviation_mm=0.3, signal="good"):
     clock = Clock()
     bar = Bar(clock, deviation_mm, signal)
     mounted = MountedDevice(DeviceEntry("ballbar", "fake", {}), "ballbar", "fake", bar)
-    return Rack([mounted], clock), bar
+    return DeviceRegistry([mounted], clock), bar
 
 
 class Records:
@@ -74,7 +74,7 @@ class Records:
         self.lines.append(entry)
 
 
-CONFIRM = Act(ActName.CONFIRM, "Ada")
+CONFIRM = OperatorCommand(CommandName.CONFIRM, "Ada")
 
 
 async def judged(rack, records=None):
@@ -127,4 +127,4 @@ async def test_a_link_that_was_open_stays_open():
 
 
 async def test_a_cell_without_a_ballbar_asks_nobody():
-    assert await judged(Rack([], Clock())) is CONFIRM
+    assert await judged(DeviceRegistry([], Clock())) is CONFIRM

@@ -12,7 +12,7 @@ from tests.unit.service.sessions.tracker.operators import PatientOperator, run_s
 from truepose.domain.cell import Cell
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import PlannedStop, SessionState, stop_id
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.guide.guide import Fixed, standing
 from truepose.sessions.guide.reading_tables import sheet_of
 from truepose.sessions.guide.scene import guided_scene
@@ -81,11 +81,14 @@ def test_every_ledger_has_its_page(lines, runs):
     assert all(row.actual_mm is None for row in sheet.points)  # nothing was read: nothing is filled in
     assert all(row.reason for row in sheet.points if row.status == "left_out")
     assert found.state is not SessionState.RUNNING or runs
-    assert {ActName.CONFIRM, ActName.RESUME} & found.acts <= _that_let_it_go_on(found.state)
+    assert {CommandName.CONFIRM, CommandName.RESUME} & found.acts <= _that_let_it_go_on(found.state)
 
 
 def _that_let_it_go_on(state):
-    by_state = {SessionState.AWAITING_CONFIRMATION: {ActName.CONFIRM}, SessionState.PAUSED: {ActName.RESUME}}
+    by_state = {
+        SessionState.AWAITING_CONFIRMATION: {CommandName.CONFIRM},
+        SessionState.PAUSED: {CommandName.RESUME},
+    }
     return by_state.get(state, set())
 
 

@@ -8,9 +8,9 @@ import pytest
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import service as ballbar
-from truepose.sessions.controller import AskedSessionKind
+from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.states import Moment
-from truepose.sessions.followers import Watching
+from truepose.sessions.followers import TabletCounter
 
 
 class Runner:
@@ -40,12 +40,12 @@ class Runner:
         self._changed = asyncio.Event()
 
 
-class Kind(AskedSessionKind):
+class Kind(PromptingSessionController):
     """One session, under way until it is released."""
 
     def __init__(self, runner):
         self.now = runner
-        self.watching = Watching()
+        self.watching = TabletCounter()
         super().__init__(SimpleNamespace(serve=lambda kind: None, watching=self.watching))
 
     def running(self, session_id):

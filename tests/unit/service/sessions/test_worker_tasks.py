@@ -8,7 +8,7 @@ from tests.helpers.ballbar.cells import domain_cell
 from truepose.analysis.errors import BusyError
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import BallbarKit
-from truepose.sessions.ballbar.planning import BallbarWish, BallbarWork
+from truepose.sessions.ballbar.planning import BallbarPlanRequest, BallbarWork
 from truepose.storage.records import SessionSetup
 
 SETUP = SessionSetup(domain_cell(ballbar=BallbarKit()))
@@ -30,7 +30,7 @@ class Worker:
 
 
 async def wished(work):
-    task = asyncio.create_task(work.choose(SETUP, BallbarWish()))
+    task = asyncio.create_task(work.choose(SETUP, BallbarPlanRequest()))
     await asyncio.sleep(0)
     await asyncio.sleep(0)
     return task
@@ -54,7 +54,7 @@ async def test_where_too_many_wait_the_next_one_is_sent_away():
     tasks = [await wished(work) for _ in range(4)]
 
     with pytest.raises(BusyError, match="Too many requests of this kind are waiting"):
-        await work.choose(SETUP, BallbarWish())
+        await work.choose(SETUP, BallbarPlanRequest())
     worker.go_on.set()
     await asyncio.gather(*tasks)
 

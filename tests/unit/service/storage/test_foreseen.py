@@ -1,13 +1,13 @@
 """The newest comparison of a type is kept beside the database, until a newer one."""
 
-from truepose.storage.caches import Compared, Comparisons, Foreseen, to_bytes
+from truepose.storage.caches import Comparisons, FleetComparison, LimitForecast, to_bytes
 
-ROBOT = Foreseen(
+ROBOT = LimitForecast(
     "120-1", "backlash", "joint 5", 0.0, "2026-06-01", 0.06, 0.012, "2026-11-20", None, "2026-12-01"
 )
-FIRST = Compared("IRB 120", "2026-11-20 08:00 UTC", 7, 0.1, (ROBOT,))
-LATER = Compared("IRB 120", "2026-11-21 08:00 UTC", 9, 0.1, ())
-OTHER = Compared("IRB 6700", "2026-11-20 08:00 UTC", 8, 0.1, ())
+FIRST = FleetComparison("IRB 120", "2026-11-20 08:00 UTC", 7, 0.1, (ROBOT,))
+LATER = FleetComparison("IRB 120", "2026-11-21 08:00 UTC", 9, 0.1, ())
+OTHER = FleetComparison("IRB 6700", "2026-11-20 08:00 UTC", 8, 0.1, ())
 
 
 async def test_what_was_never_compared_has_no_comparison(tmp_path):

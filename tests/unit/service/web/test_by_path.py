@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.middleware.routing import ByPath
+from truepose.web.middleware.routing import RouteTable
 
 PATHS = ("/", "/{name}", "/jobs", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x", "/jobs/{id}")
 
@@ -22,8 +22,8 @@ PATHS = ("/", "/{name}", "/jobs", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/
     ],
 )
 def test_what_begins_otherwise_is_passed_over_and_what_is_left_keeps_its_order(asked, found):
-    assert list(ByPath((path, path) for path in PATHS).at(asked)) == found
+    assert list(RouteTable((path, path) for path in PATHS).at(asked)) == found
 
 
 def test_where_nothing_has_an_open_first_word_nothing_is_found_elsewhere():
-    assert list(ByPath([("/jobs", 1)]).at("/other")) == []
+    assert list(RouteTable([("/jobs", 1)]).at("/other")) == []

@@ -11,9 +11,9 @@ from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.accuracy import BallbarSetup
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.recording import Wishes
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
+from truepose_simulators.recording.ballbars.campaign import BallbarRecordingRequest, record_ballbar
 from truepose_simulators.recording.ballbars.plan import plan_from
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.scenarios.file import load_scenario
@@ -31,7 +31,7 @@ POSES = [
     [-11.16534, 12.98009, 37.42969, 8.87272, 74.18729, 118.66923],
 ]
 LEGS = [[[2, 1], [1, 1], [3, 1], [2, 3], [1, 3], [1, 2]], [[3, 2], [1, 2], [2, 2], [3, 1], [1, 1], [1, 3]]]
-FEW = Wishes(configurations=5, validation=4, attachments=1)
+FEW = RecordingRequest(configurations=5, validation=4, attachments=1)
 
 
 def drawn_up(placements=1, repeats=1, **changes):
@@ -60,7 +60,7 @@ PLAN = plan_from(drawn_up(), "plan")
 
 
 def recorded(scenario=TILTED, seed=3, plan=PLAN, **wishes):
-    return record_ballbar(scenario, seed, plan, BallbarWishes(tracker=FEW, **wishes))
+    return record_ballbar(scenario, seed, plan, BallbarRecordingRequest(tracker=FEW, **wishes))
 
 
 def generous(scenario):

@@ -6,7 +6,7 @@ import pytest
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import register
-from truepose_simulators.recording import NoStopsError, Wishes, record
+from truepose_simulators.recording import NoStopsError, RecordingRequest, record
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ToolSetup
 
@@ -19,7 +19,9 @@ def planted(scenario, *changes):
 
 
 def test_a_campaign_has_what_was_wished_for():
-    campaign = record(TILTED, 1, Wishes(configurations=40, validation=25, revisits=5, attachments=4))
+    campaign = record(
+        TILTED, 1, RecordingRequest(configurations=40, validation=25, revisits=5, attachments=4)
+    )
 
     calibration, validation = campaign.calibration.stops, campaign.validation.stops
     assert (len(calibration), len(validation)) == (45, 25)
@@ -32,7 +34,9 @@ def test_a_campaign_has_what_was_wished_for():
 
 
 def test_revisits_stand_at_the_same_joints_in_another_order():
-    stops = record(TILTED, 1, Wishes(configurations=40, validation=0, revisits=10)).calibration.stops
+    stops = record(
+        TILTED, 1, RecordingRequest(configurations=40, validation=0, revisits=10)
+    ).calibration.stops
 
     again = stops.repeat_of[40:]
     assert not stops.repeat_of[:40].any()
@@ -43,7 +47,7 @@ def test_revisits_stand_at_the_same_joints_in_another_order():
 
 
 def test_the_same_wishes_give_the_same_campaign_and_another_seed_another_one():
-    first, same, other = (record(TILTED, seed, Wishes(20, 5)) for seed in (1, 1, 2))
+    first, same, other = (record(TILTED, seed, RecordingRequest(20, 5)) for seed in (1, 1, 2))
 
     assert np.array_equal(first.calibration.readings.position_mm, same.calibration.readings.position_mm)
     assert np.array_equal(first.references.readings.position_mm, same.references.readings.position_mm)
@@ -53,21 +57,23 @@ def test_the_same_wishes_give_the_same_campaign_and_another_seed_another_one():
 def test_configurations_do_not_depend_on_what_is_planted():
     change = PlantedChange("joint_gain", "joint 3", 1e-3)
 
-    clean, changed = (record(scenario, 1, Wishes(20, 5)) for scenario in (TILTED, planted(TILTED, change)))
+    clean, changed = (
+        record(scenario, 1, RecordingRequest(20, 5)) for scenario in (TILTED, planted(TILTED, change))
+    )
 
     assert np.array_equal(clean.calibration.stops.joints_deg, changed.calibration.stops.joints_deg)
 
 
 def test_every_joint_comes_from_where_it_was_or_always_from_below():
-    mixed = record(TILTED, 1, Wishes(30, 0)).calibration.stops
-    below = record(TILTED, 1, Wishes(30, 0, approach="from_below")).calibration.stops
+    mixed = record(TILTED, 1, RecordingRequest(30, 0)).calibration.stops
+    below = record(TILTED, 1, RecordingRequest(30, 0, approach="from_below")).calibration.stops
 
     assert np.array_equal(mixed.direction[1:], np.sign(np.diff(mixed.joints_deg, axis=0)))
     assert (below.direction == 1.0).all()
 
 
 def test_without_noise_a_reading_is_the_truth_as_far_as_the_certificate_places_the_tracker():
-    campaign = record(NOISE_FREE, 1, Wishes(30, 0))
+    campaign = record(NOISE_FREE, 1, RecordingRequest(30, 0))
 
     off = campaign.calibration.readings.position_mm - campaign.calibration.true_mm
 
@@ -76,7 +82,7 @@ def test_without_noise_a_reading_is_the_truth_as_far_as_the_certificate_places_t
 
 
 def test_what_was_read_differs_from_the_truth_by_noise_and_scatter():
-    campaign = record(TILTED, 2, Wishes(400, 0))
+    campaign = record(TILTED, 2, RecordingRequest(400, 0))
 
     off = campaign.calibration.readings.position_mm - campaign.calibration.true_mm
     off -= off.mean(axis=0)  # the registration, common to all readings
@@ -87,7 +93,7 @@ def test_what_was_read_differs_from_the_truth_by_noise_and_scatter():
 
 
 def test_each_stop_shows_a_nest_that_faces_the_tracker():
-    campaign = record(NOISE_FREE, 3, Wishes(50, 0))
+    campaign = record(NOISE_FREE, 3, RecordingRequest(50, 0))
     stops = campaign.calibration.stops
 
     rest = campaign.cell.rest(
@@ -104,7 +110,7 @@ def test_each_stop_shows_a_nest_that_faces_the_tracker():
 
 
 def test_fixed_nests_are_read_at_every_tenth_stop():
-    campaign = record(TILTED, 1, Wishes(30, 20))
+    campaign = record(TILTED, 1, RecordingRequest(30, 20))
     times = np.concatenate([campaign.calibration.stops.time_s, campaign.validation.stops.time_s])
 
     assert np.unique(campaign.references.time_s).tolist() == times[::10].tolist()
@@ -114,13 +120,13 @@ def test_fixed_nests_are_read_at_every_tenth_stop():
 
 
 def test_fixed_nests_may_be_left_alone():
-    assert len(record(TILTED, 1, Wishes(10, 0, reference_every=0)).references.time_s) == 0
+    assert len(record(TILTED, 1, RecordingRequest(10, 0, reference_every=0)).references.time_s) == 0
 
 
 def test_an_instrument_that_drifts_is_seen_on_fixed_nests_and_on_the_arm_alike():
     drift = PlantedChange("instrument_drift", "tracker", 0.6, details={"direction": [0.0, 0.0, 1.0]})
-    campaign = record(planted(NOISE_FREE, drift), 1, Wishes(100, 100))
-    still = record(NOISE_FREE, 1, Wishes(100, 100))
+    campaign = record(planted(NOISE_FREE, drift), 1, RecordingRequest(100, 100))
+    still = record(NOISE_FREE, 1, RecordingRequest(100, 100))
 
     for seen, calm, times in (
         (campaign.validation.readings, still.validation.readings, still.validation.stops.time_s),
@@ -132,8 +138,8 @@ def test_an_instrument_that_drifts_is_seen_on_fixed_nests_and_on_the_arm_alike()
 
 def test_a_base_that_drifts_is_seen_on_the_arm_alone():
     drift = PlantedChange("base_drift", "base", 0.6, details={"direction": [0.0, 0.0, 1.0]})
-    campaign = record(planted(NOISE_FREE, drift), 1, Wishes(50, 0))
-    still = record(NOISE_FREE, 1, Wishes(50, 0))
+    campaign = record(planted(NOISE_FREE, drift), 1, RecordingRequest(50, 0))
+    still = record(NOISE_FREE, 1, RecordingRequest(50, 0))
 
     moved = campaign.calibration.readings.position_mm - still.calibration.readings.position_mm
 
@@ -143,8 +149,8 @@ def test_a_base_that_drifts_is_seen_on_the_arm_alone():
 
 def test_a_wrong_scale_stays_in_the_readings_of_a_registered_tracker():
     scale = PlantedChange("instrument_scale", "tracker", 1e-4)
-    campaign = record(planted(NOISE_FREE, scale), 1, Wishes(10, 0))
-    still = record(NOISE_FREE, 1, Wishes(10, 0))
+    campaign = record(planted(NOISE_FREE, scale), 1, RecordingRequest(10, 0))
+    still = record(NOISE_FREE, 1, RecordingRequest(10, 0))
 
     nests, true = (some.references.readings.position_mm[:3] for some in (campaign, still))
 
@@ -155,7 +161,9 @@ def test_a_wrong_scale_stays_in_the_readings_of_a_registered_tracker():
 
 def test_swapped_labels_are_written_down_and_the_reading_stays_where_it_was():
     swap = PlantedChange("label_swap", "nest 1, nest 2", 1.0)
-    swapped, honest = (record(scenario, 1, Wishes(40, 0)) for scenario in (planted(TILTED, swap), TILTED))
+    swapped, honest = (
+        record(scenario, 1, RecordingRequest(40, 0)) for scenario in (planted(TILTED, swap), TILTED)
+    )
 
     other = np.array([0, 2, 1, 3])
 
@@ -166,7 +174,8 @@ def test_swapped_labels_are_written_down_and_the_reading_stays_where_it_was():
 def test_the_sensor_shows_the_warm_up():
     growth = PlantedChange("thermal_growth", "links", 18e-6)
     warm, still = (
-        record(scenario, 1, Wishes(100, 0)).calibration for scenario in (planted(TILTED, growth), TILTED)
+        record(scenario, 1, RecordingRequest(100, 0)).calibration
+        for scenario in (planted(TILTED, growth), TILTED)
     )
 
     warming = 6.0 * (1.0 - np.exp(-still.stops.time_s / 2400.0))
@@ -177,7 +186,7 @@ def test_a_tool_that_nobody_sees_is_told():
     away = ToolSetup(acceptance_deg=0.001)
 
     with pytest.raises(NoStopsError, match="configurations only, 50 are wanted"):
-        record(replace(TILTED, tool=away), 1, Wishes(40, 10))
+        record(replace(TILTED, tool=away), 1, RecordingRequest(40, 10))
 
 
 @pytest.mark.parametrize(
@@ -193,7 +202,7 @@ def test_a_tool_that_nobody_sees_is_told():
 )
 def test_an_impossible_wish_is_refused(wish, sentence):
     with pytest.raises(ScenarioError) as caught:
-        Wishes(**wish)
+        RecordingRequest(**wish)
 
     assert sentence in str(caught.value)
 

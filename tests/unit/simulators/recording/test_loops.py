@@ -11,18 +11,20 @@ from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.rigid import move
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop
 from truepose_simulators.recording.closed_loops import LOOPS
-from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
 TILTED = load_scenario("lrmate-tilted")
 NOISE_FREE = replace(TILTED, noise=False)
-FEW = Wishes(configurations=1, validation=2, attachments=1, reference_every=0)
+FEW = RecordingRequest(configurations=1, validation=2, attachments=1, reference_every=0)
 
 
 def recorded(kind, scenario=NOISE_FREE, configurations=12, validation=4, **changes):
-    return record_loop(scenario, 3, LoopWishes(kind, configurations, validation, tracker=FEW, **changes))
+    return record_loop(
+        scenario, 3, LoopRecordingRequest(kind, configurations, validation, tracker=FEW, **changes)
+    )
 
 
 def nominal_places(recording, contacts):
@@ -110,7 +112,7 @@ def test_a_folder_says_what_papers_know_and_no_more(tmp_path):
 
 def test_a_loop_that_there_is_not_is_refused_by_name():
     with pytest.raises(ScenarioError, match="two-spheres"):
-        LoopWishes("cube")
+        LoopRecordingRequest("cube")
 
 
 def test_a_loop_is_no_ballbar(tmp_path, capsys):

@@ -5,12 +5,12 @@ import pytest
 
 from tests.unit.simulators.model_documents import robot_document
 from truepose_simulators.errors import ModelError
-from truepose_simulators.recording import Wishes, record
+from truepose_simulators.recording import RecordingRequest, record
 from truepose_simulators.recording.files import campaign_document
 from truepose_simulators.scenarios.file import load_scenario
 
 CLEAN = load_scenario("irb120-clean")
-FEW = Wishes(configurations=8, validation=0)
+FEW = RecordingRequest(configurations=8, validation=0)
 
 
 def test_the_papers_are_those_of_the_models_robot(load):

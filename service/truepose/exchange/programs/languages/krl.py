@@ -14,7 +14,7 @@ from truepose.exchange.programs.parsed_program import (
     COMPUTED,
     HOLDS_WORK,
     RELATIVE,
-    Chosen,
+    ArgumentTargets,
     Draft,
     FramesInUse,
     InUse,
@@ -198,13 +198,13 @@ class _Reader:
             if part and part[0].upper in NAMES
         }
 
-    def _chosen(self, words: Tokens, aim: Tokens) -> Chosen | Message:
+    def _chosen(self, words: Tokens, aim: Tokens) -> ArgumentTargets | Message:
         if not aim:
             self._draft.source.refuse(f"{words[0].text} has no target", words[0].start)
         if inside(aim, "{") is not None:
             name = f"line {self._draft.line(words)}"
             found = target(self._draft.source, name, aim)
-            return found if isinstance(found, Message) else Chosen((self._draft.add(found),))
+            return found if isinstance(found, Message) else ArgumentTargets((self._draft.add(found),))
         is_name = aim[0].kind == "word" and len(bracket(aim[1:])) == len(aim) - 1
         return self._data.chosen(aim) if is_name else COMPUTED
 

@@ -12,7 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 from truepose.exchange.programs.controller_rules import whole_number
-from truepose.exchange.programs.parsed_program import COMPUTED, ELSEWHERE, HOLDS_WORK, Chosen, Draft, InUse
+from truepose.exchange.programs.parsed_program import (
+    COMPUTED,
+    ELSEWHERE,
+    HOLDS_WORK,
+    ArgumentTargets,
+    Draft,
+    InUse,
+)
 from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
@@ -196,14 +203,14 @@ class Data:
         """Return what FDAT says under a name in capitals."""
         return self._points.get(name)
 
-    def chosen(self, words: Tokens) -> Chosen | Message:
+    def chosen(self, words: Tokens) -> ArgumentTargets | Message:
         """Return the targets that a name, with or without index, can be; or why that is not known."""
         name, index = words[0].upper, self._index(words[1:])
         held = self._targets.get(name)
         if held is None:
             return COMPUTED if name.startswith("$") else ELSEWHERE
         targets = _among(held, index)
-        return Chosen(targets, index is not None) if targets else COMPUTED
+        return ArgumentTargets(targets, index is not None) if targets else COMPUTED
 
     def targets_in(self, words: Tokens) -> tuple[int, ...]:
         """Return the targets whose names an expression has."""

@@ -26,7 +26,7 @@ from truepose.exchange.programs.parsed_program import (
     COMPUTED,
     DISPLACED,
     ELSEWHERE,
-    Chosen,
+    ArgumentTargets,
     Draft,
 )
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame, Path
@@ -86,7 +86,7 @@ class Data:
                 found += self._among(datum, _bracket(words[at + 1 :]))
         return tuple(found)
 
-    def chosen(self, routine: Routine, words: Tokens) -> Chosen | Message:
+    def chosen(self, routine: Routine, words: Tokens) -> ArgumentTargets | Message:
         """Return the targets that a name, with or without index, can be; or why that is not known."""
         name = words[0].upper
         if name in routine.arguments:
@@ -95,7 +95,7 @@ class Data:
         if datum is None or datum.kind not in _TARGETS:
             return ELSEWHERE
         targets = self._among(datum, words[1:])
-        return Chosen(targets, self._index(words[1:]) is not None) if targets else COMPUTED
+        return ArgumentTargets(targets, self._index(words[1:]) is not None) if targets else COMPUTED
 
     def frame(self, routine: Routine, words: Tokens) -> Frame | Message:
         """Return the tool or work object of that name, or why targets with it are left alone."""
@@ -321,13 +321,13 @@ class _Follower:
         if not chosen.told:
             self._leave(words, CHOSEN)
 
-    def _chosen(self, move: _Move, words: Tokens) -> Chosen | Message:
+    def _chosen(self, move: _Move, words: Tokens) -> ArgumentTargets | Message:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if words[0].text == "*":
             return message("left.hidden")
         if words[0].text == "[":
             found = target(self._draft.source, move.kind, f"line {self._draft.line(words)}", words)
-            return found if isinstance(found, Message) else Chosen((self._draft.add(found),))
+            return found if isinstance(found, Message) else ArgumentTargets((self._draft.add(found),))
         is_name = len(words) == 1 or (words[1].text == "{" and closing(words, 1) == len(words) - 1)
         return self._data.chosen(self._routine, words) if is_name else COMPUTED
 

@@ -14,7 +14,7 @@ from truepose.exchange.programs.parsed_program import (
     CHOSEN,
     COMPUTED,
     ELSEWHERE,
-    Chosen,
+    ArgumentTargets,
     Draft,
     FramesInUse,
     Step,
@@ -135,7 +135,7 @@ class _Names:
         for line in lines:
             self._take(line)
 
-    def chosen(self, words: Tokens) -> Chosen | Message:
+    def chosen(self, words: Tokens) -> ArgumentTargets | Message:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if not words:
             return message("left.no_target")
@@ -143,13 +143,13 @@ class _Names:
             return self._inverse(words)
         if words[0].text in ("p", "[") and inside(words[words[0].text == "p" :], "[") is not None:
             found = _target(self._source, f"line {self._source.line(words[0].start)}", words)
-            return COMPUTED if found is None else Chosen((self._draft.add(found),))
+            return COMPUTED if found is None else ArgumentTargets((self._draft.add(found),))
         if words[0].text not in self._held:
             return ELSEWHERE if len(words) == 1 else COMPUTED
         index = self._index(words[1:])
         targets = self._among(words[0].text, index)
         is_name = len(words) == 1 or inside(words[1:], "[") is not None
-        return Chosen(targets, index is not None) if targets and is_name else COMPUTED
+        return ArgumentTargets(targets, index is not None) if targets and is_name else COMPUTED
 
     def targets_in(self, words: Tokens) -> tuple[int, ...]:
         """Return the targets whose names an expression has."""
@@ -163,7 +163,7 @@ class _Names:
         value = literal.value if literal else self._draft.value(targets[0]) if len(targets) == 1 else None
         return value if isinstance(value, Pose) else None
 
-    def _inverse(self, words: Tokens) -> Chosen | Message:
+    def _inverse(self, words: Tokens) -> ArgumentTargets | Message:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if not arguments or not arguments[0] or arguments[0][0].text == _INVERSE:
             return COMPUTED

@@ -10,7 +10,7 @@ from truepose.domain.cell import Bars
 from truepose.messages.message import message
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.live import LiveSample
-from truepose.sessions.ballbar.planning import BallbarWish, kit_of, plan_task
+from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of, plan_task
 from truepose.sessions.ballbar.scene import scene_of
 from truepose.sessions.ballbar.service import BallbarSessions, BallbarView
 from truepose.sessions.ballbar.situation import Situation
@@ -114,7 +114,12 @@ def _states_of_poses(found: Situation) -> dict[int, StopState]:
 
 
 async def queue_plan(
-    here: Context, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None, sender: str
+    here: Context,
+    name: str,
+    setup: SessionSetup,
+    wish: BallbarPlanRequest,
+    key: RequestKey | None,
+    sender: str,
 ) -> int:
     """Queue the choice of a session's poses and return the job's number."""
 
@@ -125,7 +130,7 @@ async def queue_plan(
     return await here.job_desk.plan_checked(name, plan_task(setup, wish), check, key, sender)
 
 
-async def _wish(here: Context, wanted: BallbarSessionRequest) -> BallbarWish:
+async def _wish(here: Context, wanted: BallbarSessionRequest) -> BallbarPlanRequest:
     if wanted.plan is None or wanted.plan.model_id is None:
         return wanted_plan(wanted)
     return wanted_plan(wanted, (await here.results.model(wanted.plan.model_id)).model)

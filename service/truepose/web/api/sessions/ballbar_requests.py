@@ -10,12 +10,12 @@ from truepose.domain.ballbar import (
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
-    SphereWish,
+    SpherePlanRequest,
 )
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.domain.robot import FramePlacement
-from truepose.sessions.ballbar.planning import BallbarWish
+from truepose.sessions.ballbar.planning import BallbarPlanRequest
 from truepose.web.api.sessions.schemas import AngleDeg
 from truepose.web.schemas import (
     NUMBER_LIMIT,
@@ -147,13 +147,13 @@ class HandsRequest(Request):
         return self.model_dump(exclude={"action"}, exclude_none=True)
 
 
-def wanted_plan(wanted: BallbarSessionRequest, model: Model | None = None) -> BallbarWish:
+def wanted_plan(wanted: BallbarSessionRequest, model: Model | None = None) -> BallbarPlanRequest:
     """Return what is wanted of a session; `model` is the one that is to command the arm."""
     places = wanted.placements or []
     given = [_given(number, place) for number, place in enumerate(places, 1)] if wanted.plan is None else []
     complete = tuple(place for place in given if place is not None)
     return wanted.into(
-        BallbarWish,
+        BallbarPlanRequest,
         given=BallbarPlan(complete) if given and len(complete) == len(places) else None,
         frames=tuple(place.into(FramePlacement) for place in places),
         placements=wanted.placement_count,
@@ -161,10 +161,10 @@ def wanted_plan(wanted: BallbarSessionRequest, model: Model | None = None) -> Ba
     )
 
 
-def _sphere(wanted: SphereStops, places: list[PlacementRequest], model: Model | None) -> SphereWish:
+def _sphere(wanted: SphereStops, places: list[PlacementRequest], model: Model | None) -> SpherePlanRequest:
     if any(place.poses or place.setups or place.cups_mm for place in places):
         raise ConfigurationError("The stops of a sphere test are chosen: give its placement without poses.")
-    return wanted.into(SphereWish, nests=tuple(wanted.nests), stops=wanted.configurations, model=model)
+    return wanted.into(SpherePlanRequest, nests=tuple(wanted.nests), stops=wanted.configurations, model=model)
 
 
 def _given(number: int, place: PlacementRequest) -> PlannedPlacement | None:

@@ -6,7 +6,7 @@ from pydantic import AfterValidator, Field
 
 from truepose.domain.people import NAME_PATTERN, tidy_name
 from truepose.sessions.ballbar.allowed_commands import Answer
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.storage.records import RequestKey
 from truepose.web.api.authority import require_authority
 from truepose.web.api.sessions.kinds import AnySituation, kind_of
@@ -39,7 +39,7 @@ class CommandRequest(Request):
         "tablet": "tablet-1",
     })
 
-    command: Annotated[ActName, Field(strict=False, description="One of the situation's `commands`.")]
+    command: Annotated[CommandName, Field(strict=False, description="One of the situation's `commands`.")]
     person: PersonName | None = Field(
         None, description="Who asks. Null: whoever is signed in; a halt needs no name."
     )
@@ -75,10 +75,10 @@ class CommandRequest(Request):
     )
     pressed_at_s: PressedAt = None
 
-    def act(self, key: RequestKey | None) -> Act:
+    def act(self, key: RequestKey | None) -> OperatorCommand:
         """Return what is asked."""
         return self.into(
-            Act,
+            OperatorCommand,
             name=self.command,
             person=self.person or signed_in_name() or "",
             key=None if key is None else key.key,

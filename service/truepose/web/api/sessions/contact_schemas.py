@@ -6,7 +6,7 @@ from pydantic import Field
 
 from truepose.domain.contacts import ContactPlan, Loop, Target, TargetDistance, TargetKind
 from truepose.domain.session import Role
-from truepose.planning.contacts.plan_request import ContactWish
+from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.web.api.sessions.schemas import Component, LengthMm
 from truepose.web.middleware.language import Said
 from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, Number, Reply, Request, example
@@ -137,10 +137,10 @@ class ContactReadingReply(Reply):
     standard_uncertainty_mm: float
 
 
-def wish_of(wanted: ContactSessionRequest) -> ContactWish:
+def wish_of(wanted: ContactSessionRequest) -> ContactPlanRequest:
     """Return what is wanted; the kind of the first target says what reads."""
     return wanted.into(
-        ContactWish,
+        ContactPlanRequest,
         loop=_KINDS.get(wanted.targets[0].kind, "sensor"),
         targets=tuple(_target(number, target) for number, target in enumerate(wanted.targets, start=1)),
         distances=tuple(

@@ -16,7 +16,7 @@ from truepose.exchange.results.circles_and_spheres import (
 from truepose.exchange.results.corrections import ProofDocument, proof_document
 from truepose.exchange.results.validation import AccuracyDocument, accuracy_document
 from truepose.messages.message import key_of
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord
@@ -174,7 +174,7 @@ async def add_configurations(
     They are judged as planned ones are, and measured after all others once a person has confirmed that the
     cell is clear for them.
     """
-    await require_authority(here, id, ActName.SKIP)
+    await require_authority(here, id, CommandName.SKIP)
     await _check_proposed(here, id, wanted.diagnosis_id)
     found = await here.tracker_sessions.add_stops(id, wanted_stops(wanted), wanted.person, key)
     response.headers["Location"] = f"/api/v1/sessions/{id}/plan"

@@ -7,9 +7,9 @@ from pydantic import Field
 from truepose.domain.session import Finding, IdentityOf, IdentityTaken, SessionState
 from truepose.messages.message import key_of
 from truepose.sessions.ballbar.situation import Situation
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.prompts import Prompt
-from truepose.sessions.guide.guide import Standing
+from truepose.sessions.guide.guide import SessionStatus
 from truepose.sessions.service import Attendance
 from truepose.storage.records import SessionSetup
 from truepose.web.middleware.language import Said, SaidOrNull
@@ -52,7 +52,7 @@ class PromptReply(Reply):
     id: Number = Field(description="An answer names it as `prompt_id`; no other has it.", examples=[57])
     message: Said = Field(examples=["Is the cell clear?"])
     picture: str = Field(description="What to draw beside it.", examples=["/api/v1/sessions/3/scene"])
-    answered_by: ActName = Field(description="The command.", examples=["confirm"])
+    answered_by: CommandName = Field(description="The command.", examples=["confirm"])
     leads_to: list[int] = Field(description="Configurations to which the arm may go then.", examples=[[1, 2]])
     people: People
 
@@ -81,7 +81,7 @@ class SituationReply(Reply):
     people: People
     ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
     robot_moving: bool
-    commands: list[ActName] = Field(description="What may be asked of it now.")
+    commands: list[CommandName] = Field(description="What may be asked of it now.")
     watching: int = Field(description="Tablets that follow the session.", examples=[2])
     identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
 
@@ -90,7 +90,12 @@ S = TypeVar("S", bound=SituationReply)
 
 
 def situation_reply(
-    reply: type[S], id: int, setup: SessionSetup, found: Standing | Situation, now: Attendance, **more: object
+    reply: type[S],
+    id: int,
+    setup: SessionSetup,
+    found: SessionStatus | Situation,
+    now: Attendance,
+    **more: object,
 ) -> S:
     """Return where a session stands as it travels, with what its kind says besides."""
     return reply.of(

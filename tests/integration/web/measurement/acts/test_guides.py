@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import session_request
-from truepose.analysis.job_queue.accuracy_tasks import ExpectedAccuracy, Outlook
+from truepose.analysis.job_queue.accuracy_tasks import ExpectedAccuracy, SessionForecast
 
 ADA = {"person": "Ada Byron", "tablet": "tablet-1"}
 
@@ -238,7 +238,7 @@ class TestOutlook:
         async def answer(task, told):
             self.asked += 1
             here = ExpectedAccuracy(len(task.session.points), 0.12, 0.3)
-            return Outlook(here, here)
+            return SessionForecast(here, here)
 
         return answer
 

@@ -3,9 +3,9 @@
 import pytest
 
 from truepose.messages.catalogue import LANGUAGES, catalogue
-from truepose.sessions.cell import PresentCell
+from truepose.sessions.cell import CurrentCell
 from truepose.sessions.errors import FaultRefusedError, PersonMissingError
-from truepose.sessions.simulated import FaultsDesk
+from truepose.sessions.simulated import FaultService
 from truepose_simulators.faults.kinds import KINDS
 
 WANTED = {"person": "Ada", "kind": "link_cut", "keys": {"device": "robot", "for_s": 8.0}}
@@ -38,7 +38,7 @@ async def test_on_a_real_cell_nothing_goes_wrong_on_order(client):
 
 async def test_who_gave_a_fault_is_remembered_and_what_the_cell_refuses_is_said():
     cell = FakeCell()
-    desk = FaultsDesk(cell.ask, PresentCell())
+    desk = FaultService(cell.ask, CurrentCell())
 
     number = await desk.give(" Ada ", "link_cut", {"device": "robot", "op": "end"})
     with pytest.raises(FaultRefusedError, match="must be another"):
@@ -52,7 +52,7 @@ async def test_who_gave_a_fault_is_remembered_and_what_the_cell_refuses_is_said(
 
 async def test_nobody_without_a_name_gives_or_ends_one():
     cell = FakeCell()
-    desk = FaultsDesk(cell.ask, PresentCell())
+    desk = FaultService(cell.ask, CurrentCell())
 
     for act in (desk.give("\u200b", "link_cut", {}), desk.end("", 1)):
         with pytest.raises(PersonMissingError):

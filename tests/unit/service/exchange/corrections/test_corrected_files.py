@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections import check_file, correct_file
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
-from truepose.exchange.programs.program import Meant
+from truepose.exchange.programs.program import TargetConventions
 from truepose.kinematics.chain import nominal_chain
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
@@ -47,8 +47,8 @@ def test_joints_in_a_table_and_in_a_program_are_the_same_target():
 
 
 def test_joints_mean_the_same_place_whatever_poses_are_given_in():
-    _, world, _ = corrected("a.csv", TABLE, CorrectionRequest(Meant.WORLD))
-    _, base, _ = corrected("a.csv", TABLE, CorrectionRequest(Meant.BASE))
+    _, world, _ = corrected("a.csv", TABLE, CorrectionRequest(TargetConventions.WORLD))
+    _, base, _ = corrected("a.csv", TABLE, CorrectionRequest(TargetConventions.BASE))
 
     assert world == base
 

@@ -20,7 +20,7 @@ from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.errors import UnsafeArchiveError
 from truepose.exchange.import_wizard.dialogue import Choices, FileChoice, choices_of, merged
 from truepose.exchange.import_wizard.files import example_files
-from truepose.exchange.import_wizard.headings import Meaning
+from truepose.exchange.import_wizard.headings import ColumnMeaning
 from truepose.exchange.import_wizard.reading import read_imported_files
 from truepose.identification.verdict.conventions import Change
 from truepose.messages.catalogue import english
@@ -285,7 +285,7 @@ def test_a_wrong_line_is_corrected_or_left_out_and_the_rest_goes_on(edit):
 def test_what_a_person_says_of_a_column_counts_more_than_its_name():
     joints, nest, places = readings()
     data = table([*JOINTS, "a", "b", "c", "nest"], np.column_stack([joints, places, nest]))
-    columns = {6 + k: Meaning("position", 1 + k, "mm") for k in range(3)}
+    columns = {6 + k: ColumnMeaning("position", 1 + k, "mm") for k in range(3)}
     choices = replace(DAY, u_mm=0.02, files={"mine.csv": FileChoice(columns=columns)})
 
     assert asked(read_imported_files({"mine.csv": data}, replace(DAY, u_mm=0.02))) == ["readings"]
@@ -394,5 +394,5 @@ def test_what_is_said_is_merged_member_by_member():
 
     assert "u_mm" not in after
     assert choices_of(json.loads(json.dumps(after))).of("a") == FileChoice(
-        None, {0: Meaning("joint", 1, "deg")}, {5: "1,2", 4: None}
+        None, {0: ColumnMeaning("joint", 1, "deg")}, {5: "1,2", 4: None}
     )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.identification import Anchor, MeasuredZone, Shortfall, Unit
+from truepose.domain.identification import Anchor, MeasuredZone, ModelInadequacy, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (
     BadValueError,
@@ -64,7 +64,7 @@ def rich_model():
         torques_measured=True,
         origin_s=1234.5,
         nominal_tool_rotation_rad=(0.01, 0.02, 0.03),
-        shortfall=Shortfall(
+        shortfall=ModelInadequacy(
             functions=(
                 make_parameter(name="gap_2", effect="backlash", value=rng.normal() * 1e-4, unit="rad"),
                 make_parameter(name="c_3", effect="compliance", value=1e-8 / 3, unit="rad/(N*mm)"),

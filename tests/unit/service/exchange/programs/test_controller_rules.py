@@ -8,7 +8,13 @@ import pytest
 from tests.helpers.exchange.drawn_programs import LANGUAGES, tried
 from tests.helpers.identification.models import model_of, plain_parameters
 from truepose.domain.robot import JointRange
-from truepose.exchange.programs.controller_rules import Confdata, Known, Nearest, StatedBranch, StatusAndTurn
+from truepose.exchange.programs.controller_rules import (
+    Confdata,
+    Nearest,
+    StatedBranch,
+    StatusAndTurn,
+    TargetContext,
+)
 from truepose.exchange.programs.formats import read_program
 from truepose.exchange.programs.program import AT_THE_ORIGIN, ProgramOptions
 from truepose.exchange.programs.program_correction import corrected_program
@@ -179,8 +185,8 @@ def test_a_pose_of_a_ur_is_reached_in_the_turn_of_the_joints_before():
 def test_joints_before_in_another_branch_than_the_stated_one_are_a_contradiction():
     near = ANSWERS[1] + 0.1
 
-    assert Nearest().taken(ANSWERS, Known(0, before_rad=near), None) is None
-    assert Nearest().taken(ANSWERS, Known(1, before_rad=near), None) == pytest.approx(ANSWERS[1])
+    assert Nearest().taken(ANSWERS, TargetContext(0, before_rad=near), None) is None
+    assert Nearest().taken(ANSWERS, TargetContext(1, before_rad=near), None) == pytest.approx(ANSWERS[1])
 
 
 def test_an_axis_of_a_kuka_at_its_limit_is_within_it():
@@ -188,7 +194,7 @@ def test_an_axis_of_a_kuka_at_its_limit_is_within_it():
     at_limit = np.radians([10.0, 60, 80, 20, 40, -10 - 1e-7])
     answers = np.tile(at_limit, (8, 1))
 
-    taken = StatusAndTurn().taken(answers, Known(0, (0,)), limits)
+    taken = StatusAndTurn().taken(answers, TargetContext(0, (0,)), limits)
 
     assert taken is not None
     assert np.degrees(taken[5]) == pytest.approx(350.0, abs=1e-3)
@@ -203,23 +209,23 @@ ANSWERS[2] = np.radians([170.0, -60, 80, 80, 0.1, 177])
 @pytest.mark.parametrize(
     ("rule", "known", "degrees"),
     [
-        (Confdata(), Known(0, (1, -2, -1)), [170, -60, 80, -100, 40, -3]),
-        (Confdata(), Known(0, (1, 2, 3)), [170, -60, 80, 260, 40, 357]),
-        (Confdata(), Known(0, (1, -2, 0)), None),
-        (Confdata(), Known(0, (0, 0, 0)), [170, -60, 80, -100, 40, -3]),
-        (Confdata(), Known(2, (0, 0, 0)), None),
-        (Confdata(), Known(1, (1, 0, -3)), [170, -60, 80, 80, -40, -183]),
-        (Confdata(), Known(1, (1, 0, 13)), [170, -60, 80, 80, -40, 177 + 3 * 360]),
-        (StatusAndTurn(), Known(0, (0b101010,)), [170, -60, 80, -100, 40, -3]),
-        (StatusAndTurn(), Known(0, (0b000010,)), [170, -60, 80, 260, 40, 357]),
-        (StatusAndTurn(), Known(0, (0b111010,)), None),
-        (StatedBranch(), Known(1), [170, -60, 80, 80, -40, 177]),
+        (Confdata(), TargetContext(0, (1, -2, -1)), [170, -60, 80, -100, 40, -3]),
+        (Confdata(), TargetContext(0, (1, 2, 3)), [170, -60, 80, 260, 40, 357]),
+        (Confdata(), TargetContext(0, (1, -2, 0)), None),
+        (Confdata(), TargetContext(0, (0, 0, 0)), [170, -60, 80, -100, 40, -3]),
+        (Confdata(), TargetContext(2, (0, 0, 0)), None),
+        (Confdata(), TargetContext(1, (1, 0, -3)), [170, -60, 80, 80, -40, -183]),
+        (Confdata(), TargetContext(1, (1, 0, 13)), [170, -60, 80, 80, -40, 177 + 3 * 360]),
+        (StatusAndTurn(), TargetContext(0, (0b101010,)), [170, -60, 80, -100, 40, -3]),
+        (StatusAndTurn(), TargetContext(0, (0b000010,)), [170, -60, 80, 260, 40, 357]),
+        (StatusAndTurn(), TargetContext(0, (0b111010,)), None),
+        (StatedBranch(), TargetContext(1), [170, -60, 80, 80, -40, 177]),
         (
             Nearest(),
-            Known(-1, near_rad=np.radians([-180.0, -60, 80, 90, -40, 180])),
+            TargetContext(-1, near_rad=np.radians([-180.0, -60, 80, 90, -40, 180])),
             [-190, -60, 80, 80, -40, 177],
         ),
-        (Nearest(), Known(0), [170, -60, 80, -100, 40, -3]),
+        (Nearest(), TargetContext(0), [170, -60, 80, -100, 40, -3]),
     ],
 )
 def test_a_rule_takes_of_all_answers_the_one_that_its_words_name(rule, known, degrees):

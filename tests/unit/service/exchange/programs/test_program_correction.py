@@ -13,7 +13,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.correction_request import branch_of_words
 from truepose.exchange.programs.formats import read_program
-from truepose.exchange.programs.program import Configuration, Meant, Pose, ProgramOptions
+from truepose.exchange.programs.program import Configuration, Pose, ProgramOptions, TargetConventions
 from truepose.exchange.programs.program_correction import corrected_program
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -125,7 +125,7 @@ def test_targets_meant_in_the_world_are_reached_there():
     )
     program = read_program(module(), "weld.mod")
 
-    answer = corrected_program(robot, program, ProgramOptions(meant=Meant.WORLD))
+    answer = corrected_program(robot, program, ProgramOptions(meant=TargetConventions.WORLD))
 
     stops = Stops(np.arange(2), answer.found.joints_rad)
     chain = evaluate(structure_of(robot), values_of(robot), Targets(stops, np.ones(2, dtype=np.int64))).chain

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.planning.ballbar.expected_information import arm_model, predicted_error_mm, work_space_sample
-from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import candidates, known_after
 from truepose.planning.ballbar.poses import setups
 from truepose.planning.errors import TooFewCandidatesError
@@ -15,7 +15,7 @@ CELL = ballbar_cell()
 
 
 def test_a_suggested_place_offers_what_was_asked_for():
-    (fixture,) = suggest(CELL, Wish(poses=60, **SHORT)).fixtures
+    (fixture,) = suggest(CELL, PlacementRequest(poses=60, **SHORT)).fixtures
 
     assert len(candidates(arm_model(CELL), fixture)) >= 60
     assert len(setups(CELL, fixture)) == 3
@@ -27,7 +27,7 @@ def test_it_leaves_less_error_than_a_place_by_hand():
     model = arm_model(CELL)
     sample = work_space_sample(model, 100, np.random.default_rng(9))
 
-    (fixture,) = suggest(CELL, Wish(poses=60, seed=1, **SHORT)).fixtures
+    (fixture,) = suggest(CELL, PlacementRequest(poses=60, seed=1, **SHORT)).fixtures
 
     by_search, by_hand = (
         predicted_error_mm(known_after(model, [candidates(model, place)], [None], 60), sample)
@@ -37,30 +37,30 @@ def test_it_leaves_less_error_than_a_place_by_hand():
 
 
 def test_more_placements_leave_less_error_than_one():
-    one = suggest(CELL, Wish(poses=40, **SHORT))
-    two = suggest(CELL, Wish(placements=2, poses=40, **SHORT))
+    one = suggest(CELL, PlacementRequest(poses=40, **SHORT))
+    two = suggest(CELL, PlacementRequest(placements=2, poses=40, **SHORT))
 
     assert [fixture.number for fixture in two.fixtures] == [1, 2]
     assert two.error_mm < one.error_mm
 
 
 def test_a_fourth_cup_is_placed_as_well():
-    (fixture,) = suggest(CELL, Wish(base_points=4, poses=40, **SHORT)).fixtures
+    (fixture,) = suggest(CELL, PlacementRequest(base_points=4, poses=40, **SHORT)).fixtures
 
     assert fixture.cups_mm.shape == (4, 3)
 
 
 def test_the_same_seed_gives_the_same_place():
-    first, second = (suggest(CELL, Wish(poses=40, draws=20, moves=4, starts=1)) for _ in range(2))
+    first, second = (suggest(CELL, PlacementRequest(poses=40, draws=20, moves=4, starts=1)) for _ in range(2))
 
     assert first.fixtures[0].frame == second.fixtures[0].frame
 
 
 def test_more_poses_than_any_place_offers_are_refused():
     with pytest.raises(TooFewCandidatesError, match="places that were tried can 500"):
-        suggest(CELL, Wish(poses=500, draws=10, moves=0))
+        suggest(CELL, PlacementRequest(poses=500, draws=10, moves=0))
 
 
 def test_where_nothing_is_clear_nothing_is_suggested():
     with pytest.raises(TooFewCandidatesError):
-        suggest(ballbar_cell(arm_room_mm=1000.0), Wish(poses=1, draws=10, moves=0))
+        suggest(ballbar_cell(arm_room_mm=1000.0), PlacementRequest(poses=1, draws=10, moves=0))

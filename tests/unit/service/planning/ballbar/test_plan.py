@@ -15,7 +15,7 @@ from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.clearance import is_clear
 from truepose.planning.ballbar.expected_information import arm_model, of_poses, pose_rows
 from truepose.planning.ballbar.paths import between
-from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for
 from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
@@ -213,4 +213,4 @@ def test_an_arm_without_links_to_look_at_is_told_that_it_reaches_nothing(joints)
     cell = replace(CELL, robot=arm, ranges=CELL.ranges[:joints], link_radii_mm=())
 
     with pytest.raises(TooFewCandidatesError, match="the best offers 0"):
-        suggest(cell, Wish(poses=2, draws=8, moves=0, starts=1))
+        suggest(cell, PlacementRequest(poses=2, draws=8, moves=0, starts=1))

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, ballbar_cell, frame
 from tests.helpers.identification.models import model_of, parameters_of
-from truepose.domain.ballbar import SphereWish
+from truepose.domain.ballbar import SpherePlanRequest
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NestCentre
@@ -25,7 +25,7 @@ _BALL = base_fixture(1, frame(350, -150, 150, 0, -30, 60))
 
 @pytest.fixture(scope="module")
 def plan():
-    return plan_sphere(_CELL, _BALL, SphereWish(stops=12))
+    return plan_sphere(_CELL, _BALL, SpherePlanRequest(stops=12))
 
 
 def stops_of(plan, nest):
@@ -69,8 +69,8 @@ def test_every_way_is_clear(plan):
 
 
 def test_the_same_seed_gives_the_same_plan(plan):
-    assert plan_sphere(_CELL, _BALL, SphereWish(stops=12)) == plan
-    assert plan_sphere(_CELL, _BALL, SphereWish(stops=12), seed=1) != plan
+    assert plan_sphere(_CELL, _BALL, SpherePlanRequest(stops=12)) == plan
+    assert plan_sphere(_CELL, _BALL, SpherePlanRequest(stops=12), seed=1) != plan
 
 
 def test_a_model_that_commands_has_the_nests_on_its_own_sphere():
@@ -78,7 +78,7 @@ def test_a_model_that_commands_has_the_nests_on_its_own_sphere():
     longer = parameters_of("geometry", [("a_3", 0.8, "mm"), ("theta_5", 3e-3, "rad")])
     model = model_of(_CELL.robot, *longer, nests=nests)
 
-    plan = plan_sphere(_CELL, _BALL, SphereWish((2,), 10, model, model_id=7))
+    plan = plan_sphere(_CELL, _BALL, SpherePlanRequest((2,), 10, model, model_id=7))
 
     def place(joints, nest):
         ups = np.ones(joints.shape, dtype=int)
@@ -99,24 +99,24 @@ def test_a_model_of_another_robot_commands_nothing():
     taller = replace(_CELL.robot, joints=(replace(first, d_mm=first.d_mm + 40.0), *others))
 
     with pytest.raises(ConfigurationError, match="the model is of another robot"):
-        plan_sphere(_CELL, _BALL, SphereWish((2,), 10, model_of(taller, nests=nests), model_id=7))
+        plan_sphere(_CELL, _BALL, SpherePlanRequest((2,), 10, model_of(taller, nests=nests), model_id=7))
 
 
 @pytest.mark.parametrize("nests", [(), (1, 1), (4,)])
 def test_nests_that_are_none_are_refused(nests):
     with pytest.raises(ConfigurationError, match="each of its tool nests once, out of 1 to 3"):
-        plan_sphere(_CELL, _BALL, SphereWish(nests))
+        plan_sphere(_CELL, _BALL, SpherePlanRequest(nests))
 
 
 def test_a_ball_out_of_reach_is_said():
     with pytest.raises(WorkSpaceError, match="cannot hold the setting ball at base point 1"):
-        plan_sphere(_CELL, base_fixture(1, frame(1500, 0, 150)), SphereWish())
+        plan_sphere(_CELL, base_fixture(1, frame(1500, 0, 150)), SpherePlanRequest())
 
 
 def test_a_sphere_that_cannot_be_reached_is_said():
     """The joints may move a little about the place where the ball is held."""
-    held = plan_sphere(_CELL, _BALL, SphereWish((1,), 6)).placements[0].setups[0].joints_rad
+    held = plan_sphere(_CELL, _BALL, SpherePlanRequest((1,), 6)).placements[0].setups[0].joints_rad
     narrow = tuple(JointRange(q - 0.3, q + 0.3) for q in held)
 
     with pytest.raises(TooFewCandidatesError, match="at 0 stops; 6 are needed"):
-        plan_sphere(replace(_CELL, ranges=narrow), _BALL, SphereWish((1,), 6))
+        plan_sphere(replace(_CELL, ranges=narrow), _BALL, SpherePlanRequest((1,), 6))

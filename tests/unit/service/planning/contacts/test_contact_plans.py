@@ -11,7 +11,7 @@ from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.plan_request import ContactWish
+from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 
@@ -24,7 +24,7 @@ SPHERES = tuple(
 PLANE = Target(1, TargetKind.PLANE, place_mm=(430.0, 0.0, 60.0))
 DRUM = Target(1, TargetKind.WIRE, 700.0, place_mm=(700.0, -500.0, 0.0))
 BALL = Target(1, TargetKind.BALL, place_mm=(430.0, 0.0, 120.0))
-PROBE = ContactWish("probe", SPHERES, 12, nest=2)
+PROBE = ContactPlanRequest("probe", SPHERES, 12, nest=2)
 
 
 @functools.cache
@@ -56,7 +56,7 @@ def test_both_spheres_are_touched_from_many_sides():
 
 
 def test_every_place_of_every_way_is_within_the_limits():
-    for one in (plan(), plan_of(CELL, ContactWish("sensor", (BALL,), 6, nest=2))):
+    for one in (plan(), plan_of(CELL, ContactPlanRequest("sensor", (BALL,), 6, nest=2))):
         places = np.array([place for stop in one.stops for place in stop.way_rad])
 
         near = [JointRange(one.lower_rad + 0.09, one.upper_rad - 0.09) for one in SPACE.motion_limits]
@@ -94,7 +94,7 @@ def test_a_plane_is_touched_about_its_place_and_from_above():
 
 
 def test_wires_hang_within_their_stroke_and_have_no_way():
-    plan = plan_of(CELL, ContactWish("wires", (DRUM,), 6, nest=2, stroke_mm=300.0, margin_mm=20.0))
+    plan = plan_of(CELL, ContactPlanRequest("wires", (DRUM,), 6, nest=2, stroke_mm=300.0, margin_mm=20.0))
     drawn_mm = np.linalg.norm(tips_mm([stop.joints_rad for stop in plan.stops]) - DRUM.place_mm, axis=1)
 
     assert np.abs(drawn_mm - 700.0).max() <= 280.0
@@ -133,7 +133,7 @@ def test_gauges_that_read_against_each_other_leave_no_way_in():
     )
 
     with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
-        plan_of(CELL, ContactWish("gauges", against, 6, nest=2))
+        plan_of(CELL, ContactPlanRequest("gauges", against, 6, nest=2))
 
 
 def test_nothing_touches_a_sphere_at_its_centre():
@@ -144,4 +144,4 @@ def test_nothing_touches_a_sphere_at_its_centre():
 def test_where_all_draws_bring_fewer_than_are_wished_for_what_was_found_is_chosen_from():
     from_below = tuple(replace(sphere, normal=(0.0, 0.0, -1.0)) for sphere in SPHERES)
 
-    assert len(plan_of(CELL, ContactWish("probe", from_below, 4, nest=2)).stops) == 4
+    assert len(plan_of(CELL, ContactPlanRequest("probe", from_below, 4, nest=2)).stops) == 4

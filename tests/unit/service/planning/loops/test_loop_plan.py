@@ -11,7 +11,7 @@ from truepose.domain.campaign import TargetDistances
 from truepose.domain.contacts import Target, TargetKind
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import cell_given
-from truepose.planning.contacts.loop_configurations import LoopWish, draw_stands
+from truepose.planning.contacts.loop_configurations import LoopPlanRequest, draw_stands
 from truepose.planning.contacts.loop_prediction import promised_loop
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.prediction.robots_and_cells import of_cell
@@ -40,12 +40,12 @@ def plane(normal, kind=TargetKind.PLANE):
 
 TILTED = plane((-0.5, 0.3, 0.8))
 WISHES = {
-    "spheres": LoopWish(SPHERES, (2,), 0.001, BAR),
-    "gauges": LoopWish(GAUGES, (1, 2), 0.001),
-    "wires": LoopWish(WIRES, (2,), 0.02),
-    "ball": LoopWish(BALL, (2,), 0.01),
-    "plane": LoopWish(TILTED, (1, 2, 3), 0.001),
-    "face": LoopWish(plane((-0.5, 0.3, 0.8), TargetKind.FACE), (2,), 0.005),
+    "spheres": LoopPlanRequest(SPHERES, (2,), 0.001, BAR),
+    "gauges": LoopPlanRequest(GAUGES, (1, 2), 0.001),
+    "wires": LoopPlanRequest(WIRES, (2,), 0.02),
+    "ball": LoopPlanRequest(BALL, (2,), 0.01),
+    "plane": LoopPlanRequest(TILTED, (1, 2, 3), 0.001),
+    "face": LoopPlanRequest(plane((-0.5, 0.3, 0.8), TargetKind.FACE), (2,), 0.005),
 }
 
 
@@ -127,14 +127,15 @@ def test_a_certified_distance_tells_what_an_uncertified_tool_does_not():
     spheres = tuple(replace(target, zero_uncertainty_mm=0.05) for target in SPHERES)
 
     without, with_bar = (
-        promised_loop(space, LoopWish(spheres, (2,), 0.001, bar), 60).promised.mean_mm for bar in (None, BAR)
+        promised_loop(space, LoopPlanRequest(spheres, (2,), 0.001, bar), 60).promised.mean_mm
+        for bar in (None, BAR)
     )
 
     assert with_bar < 0.7 * without
 
 
 def test_a_level_plane_leaves_open_what_a_tilted_one_tells():
-    level = promised_loop(SPACE, LoopWish(plane((0.0, 0.0, 1.0)), (1, 2, 3), 0.001), 60)
+    level = promised_loop(SPACE, LoopPlanRequest(plane((0.0, 0.0, 1.0)), (1, 2, 3), 0.001), 60)
 
     assert {"a_2", "d_2"} <= {name for entry in level.left_open for name in entry.parameters}
     assert plan_of("plane", 60).left_open == ()
@@ -145,25 +146,25 @@ def test_a_target_out_of_reach_is_named():
     far = (replace(BALL[0], place_mm=(3000.0, 0.0, 500.0)),)
 
     with pytest.raises(TooFewCandidatesError, match="comes to target 1 in 0 of"):
-        promised_loop(SPACE, LoopWish(far, (2,), 0.01), 20)
+        promised_loop(SPACE, LoopPlanRequest(far, (2,), 0.01), 20)
 
 
 def test_a_target_without_a_place_is_refused():
     with pytest.raises(ConfigurationError, match="Target 2 has no place"):
-        LoopWish((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
+        LoopPlanRequest((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
 
 
 def test_gauges_at_one_place_that_read_against_each_other_leave_no_way_in():
     against = replace(GAUGES[0], number=2, normal=(-1.0, 0.0, 0.0))
 
     with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
-        promised_loop(SPACE, LoopWish((GAUGES[0], against), (1,), 0.001), 6)
+        promised_loop(SPACE, LoopPlanRequest((GAUGES[0], against), (1,), 0.001), 6)
 
 
 def test_a_certified_distance_of_spheres_at_one_place_shows_no_direction():
     together = (SPHERES[0], replace(SPHERES[1], place_mm=SPHERES[0].place_mm))
 
-    plan = promised_loop(SPACE, LoopWish(together, (2,), 0.001, BAR), 12)
+    plan = promised_loop(SPACE, LoopPlanRequest(together, (2,), 0.001, BAR), 12)
 
     assert 0.0 < plan.promised.mean_mm < plan.promised.worst_mm
 
@@ -172,7 +173,7 @@ def test_a_certified_distance_of_spheres_at_one_place_shows_no_direction():
 def test_an_exact_arm_with_exact_wires_learns_from_every_stop(reading_mm):
     exact = replace(SPACE, robot=replace(SPACE.robot, repeatability_mm=0.0))
 
-    plan = promised_loop(exact, LoopWish(WIRES, (2,), reading_mm), 3)
+    plan = promised_loop(exact, LoopPlanRequest(WIRES, (2,), reading_mm), 3)
 
     means = [point.mean_mm for point in plan.curve]
     assert all(more < 0.9 * fewer for fewer, more in pairwise(means[:3]))
@@ -180,4 +181,4 @@ def test_an_exact_arm_with_exact_wires_learns_from_every_stop(reading_mm):
 
 def test_a_tool_without_a_nest_touches_nothing():
     with pytest.raises(WorkSpaceError, match="no tool nest"):
-        promised_loop(replace(SPACE, nests=()), LoopWish(SPHERES, (), 0.001), 6)
+        promised_loop(replace(SPACE, nests=()), LoopPlanRequest(SPHERES, (), 0.001), 6)

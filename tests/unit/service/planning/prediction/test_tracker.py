@@ -15,9 +15,9 @@ from truepose.identification.observations.poses import position_block
 from truepose.messages.catalogue import english
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.prediction.errors import Discrepancy, mean_norms
-from truepose.planning.prediction.expected_covariance import TYPICAL, ArmKnowledge, Knowns, stated
+from truepose.planning.prediction.expected_covariance import TYPICAL, ArmKnowledge, PriorKnowledge, stated
 from truepose.planning.prediction.plan import WorkVolume
-from truepose.planning.prediction.tracker import Measured, promised_session
+from truepose.planning.prediction.tracker import ExistingReadings, promised_session
 from truepose.planning.tracker.paths import pool_of
 from truepose.planning.tracker.plans import plan_calibration
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
@@ -104,7 +104,7 @@ def test_no_configuration_at_all_cannot_be_asked_for(n):
 
 
 def test_where_enough_was_measured_nothing_is_left_to_choose(plan):
-    measured = Measured(plan.joints_rad, plan.nest, len(plan.nest))
+    measured = ExistingReadings(plan.joints_rad, plan.nest, len(plan.nest))
 
     found = planned(measured=measured)
 
@@ -115,7 +115,7 @@ def test_where_enough_was_measured_nothing_is_left_to_choose(plan):
 
 def test_what_was_measured_by_chance_makes_fewer_further_ones_worth_while():
     by_chance = draw_candidates(SPACE, 20, np.random.default_rng(8))
-    measured = Measured(by_chance.joints_rad, by_chance.nest, 20)
+    measured = ExistingReadings(by_chance.joints_rad, by_chance.nest, 20)
 
     found = planned(measured=measured)
 
@@ -126,7 +126,9 @@ def test_what_was_measured_by_chance_makes_fewer_further_ones_worth_while():
 def test_the_curve_holds_for_the_sessions_of_the_service_too(forty):
     stops = plan_calibration(SPACE, 40, seed=2, n_candidates=FEW).stops
     first = [stop for stop in stops if stop.repeat_of is None]
-    chosen = Measured(np.array([s.joints_rad for s in first]), np.array([s.nest for s in first]), len(first))
+    chosen = ExistingReadings(
+        np.array([s.joints_rad for s in first]), np.array([s.nest for s in first]), len(first)
+    )
 
     as_planned = planned(measured=chosen).curve[0]
 
@@ -136,14 +138,14 @@ def test_the_curve_holds_for_the_sessions_of_the_service_too(forty):
 
 
 def test_a_discrepancy_stays_however_much_is_measured():
-    found = planned(40, knowns=Knowns(discrepancy=Discrepancy(0.09)))
+    found = planned(40, knowns=PriorKnowledge(discrepancy=Discrepancy(0.09)))
 
     assert all(point.mean_mm > 0.09 * 2.0 * np.sqrt(2.0 / np.pi) for point in found.curve)
     assert found.assumptions.discrepancy.per_axis_mm == 0.09
 
 
 def test_certified_nests_of_the_table_add_what_the_world_is_uncertain_by(forty):
-    outside = planned(40, knowns=Knowns(fixed_nests=TABLE))
+    outside = planned(40, knowns=PriorKnowledge(fixed_nests=TABLE))
 
     assert outside.promised.mean_mm > forty.promised.mean_mm
 
@@ -190,7 +192,7 @@ def test_the_promise_is_what_simulated_calibrations_attain():
     rng = np.random.default_rng(6)
     calibration, places = draw_candidates(SPACE, 40, rng), draw_candidates(SPACE, 200, rng)
     exact = tuple(replace(nest, standard_uncertainty_mm=0.0) for nest in SPACE.nests)
-    knowledge = ArmKnowledge(SPACE, calibration, Knowns(accuracy=stated(READING_MM), nests=exact))
+    knowledge = ArmKnowledge(SPACE, calibration, PriorKnowledge(accuracy=stated(READING_MM), nests=exact))
 
     told = knowledge.told(calibration.joints_rad, calibration.nest)
     errors = knowledge.errors(told, knowledge.places(places.joints_rad, places.nest))
@@ -202,7 +204,7 @@ def test_the_promise_is_what_simulated_calibrations_attain():
 
 def test_what_the_registration_is_off_by_cannot_be_seen_in_readings():
     one = Candidates(np.zeros((1, 6)), np.array([1]))
-    knowledge = ArmKnowledge(SPACE, one, Knowns(fixed_nests=TABLE))
+    knowledge = ArmKnowledge(SPACE, one, PriorKnowledge(fixed_nests=TABLE))
     many = draw_candidates(SPACE, 2000, np.random.default_rng(1))
 
     told = knowledge.told(many.joints_rad, many.nest)
@@ -217,13 +219,13 @@ def test_fixed_nests_on_a_line_place_no_frame():
     line = tuple(FixedNest((100.0 * k, 37.0 * k - 500.0, 13.7 * k), 0.002) for k in (1.0, 2.0, 5.0))
 
     with pytest.raises(ConfigurationError, match="fixed nests lie on a line"):
-        planned(4, knowns=Knowns(fixed_nests=line))
+        planned(4, knowns=PriorKnowledge(fixed_nests=line))
 
 
 def test_a_tracker_that_stands_in_a_fixed_nest_sees_it_equally_well_along_all_axes():
     there = (replace(TABLE[0], centre_mm=SPACE.tracker_position_mm), *TABLE[1:])
 
-    plan = planned(20, knowns=Knowns(fixed_nests=there))
+    plan = planned(20, knowns=PriorKnowledge(fixed_nests=there))
 
     assert 0.0 < plan.promised.mean_mm < plan.promised.worst_mm < 1.0
 
@@ -232,9 +234,9 @@ def test_a_tracker_that_stands_in_a_fixed_nest_sees_it_equally_well_along_all_ax
 def test_however_exact_readings_are_what_they_do_not_show_stays_as_unknown_as_it_was(reading_mm):
     exact = replace(SPACE, robot=replace(SPACE.robot, repeatability_mm=0.0))
 
-    few = planned(4, space=exact, knowns=Knowns(accuracy=stated(reading_mm)))
+    few = planned(4, space=exact, knowns=PriorKnowledge(accuracy=stated(reading_mm)))
 
-    usual = planned(4, space=exact, knowns=Knowns(accuracy=stated(1e-3)))
+    usual = planned(4, space=exact, knowns=PriorKnowledge(accuracy=stated(1e-3)))
     assert few.promised.mean_mm == pytest.approx(usual.promised.mean_mm, rel=1e-4)
 
 

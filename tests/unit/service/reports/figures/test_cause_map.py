@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make_finding, make_rest, make_wave
-from truepose.domain.diagnosis import Cause, Worth
+from truepose.domain.diagnosis import Cause, EffectSize
 from truepose.reports.diagnosis.cause_map import cause_map, map_picture, share_text
 
 COUPLED = Cause("unnamed", "joint 4, angle of joint 2, line")
@@ -18,13 +18,13 @@ def wave(joint, own_mm, *rivals):
         subject=f"joint {joint}",
         where=f"joint {joint}",
         over=f"angle of joint {joint}",
-        worth=Worth(9.0, 9.0, own_mm),
+        worth=EffectSize(9.0, 9.0, own_mm),
         confusable_with=rivals,
     )
 
 
 def described(where, over, own_mm):
-    return make_described(where=where, over=over, worth=Worth(9.0, 9.0, own_mm))
+    return make_described(where=where, over=over, worth=EffectSize(9.0, 9.0, own_mm))
 
 
 def mapped(*findings, small=(), rest=()):
@@ -92,7 +92,9 @@ def test_what_is_wrong_with_readings_moves_no_tool():
 
 
 def test_an_earlier_diagnosis_is_mapped_by_how_far_its_causes_move_the_tool():
-    first, second = (make_wave(where=f"joint {k}", over="time", worth=Worth(0.1 * k, 0.9)) for k in (1, 3))
+    first, second = (
+        make_wave(where=f"joint {k}", over="time", worth=EffectSize(0.1 * k, 0.9)) for k in (1, 3)
+    )
 
     assert at(mapped(first, second), "joint 3", "time").share == pytest.approx(0.9)
 

@@ -14,10 +14,10 @@ from tests.helpers.diagnosis.diagnosed_cells import make_curve
 from tests.helpers.domain.builders import make_pair
 from truepose.domain.validation import (
     BranchErrors,
+    DistanceBin,
     DistanceErrors,
     ErrorsByPlace,
     Histogram,
-    Shell,
     SignedErrors,
 )
 from truepose.reports.figures.canvas import PLAIN
@@ -31,7 +31,7 @@ from truepose.reports.figures.histograms import (
 from truepose.reports.figures.residuals import plain_residual_curve
 from truepose.reports.identification.judged_figures import judged
 
-_SHELLS = (Shell(0.0, 200.0, make_pair()), Shell(400.0, 600.0, make_pair()))
+_SHELLS = (DistanceBin(0.0, 200.0, make_pair()), DistanceBin(400.0, 600.0, make_pair()))
 _PLACES = ErrorsByPlace(
     (0.0, 0.0, 0.0), 300.0, True, _SHELLS, _SHELLS, (BranchErrors("front/up", make_pair()),)
 )

@@ -1,10 +1,10 @@
 """What is described without a name: one sentence with the largest, and what it is good for."""
 
 from tests.helpers.diagnosis.answers import make_described, make_rest
-from truepose.domain.diagnosis import Worth
+from truepose.domain.diagnosis import EffectSize
 from truepose.reports.diagnosis.rows import described_rows, described_sentence
 
-FOLLOWED = [make_described(where=f"joint {k}", worth=Worth(0.3, 0.9, 0.1 * k)) for k in range(9, 0, -1)]
+FOLLOWED = [make_described(where=f"joint {k}", worth=EffectSize(0.3, 0.9, 0.1 * k)) for k in range(9, 0, -1)]
 
 
 def test_the_sentence_names_the_largest_counts_the_others_and_says_what_they_gain():

@@ -19,7 +19,7 @@ from truepose.sessions.ballbar.cell import BallbarCell
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import Act, ActName, ActOutcome
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.errors import ReasonMissingError
 from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
@@ -344,11 +344,11 @@ class Bench:
     def present(self) -> str | None:
         return self.now.step.id if self.now.step else None
 
-    async def press(self, name: ActName, **fields) -> ActOutcome:
+    async def press(self, name: CommandName, **fields) -> CommandOutcome:
         act = {"person": "Eva", "tablet": "one", "key": f"key-{next(self.keys)}", "step_id": self.present}
-        return await self.send(Act(name, **{**act, **fields}))
+        return await self.send(OperatorCommand(name, **{**act, **fields}))
 
-    async def send(self, act: Act) -> ActOutcome:
+    async def send(self, act: OperatorCommand) -> CommandOutcome:
         """Have an act done, and let time pass while it takes some."""
         sent = asyncio.create_task(self.runner.act(act))
         try:
@@ -364,7 +364,7 @@ class Bench:
                 sent.exception()
 
     async def start(self) -> None:
-        await self.press(ActName.START, step_id=None)
+        await self.press(CommandName.START, step_id=None)
 
     async def do(self) -> str | None:
         """Do the present step as it is asked for, and wait until the next one is there."""
@@ -372,7 +372,7 @@ class Bench:
         assert step_id is not None
         await self.clear_hands(step_id)
         self.hands.do_as_asked(step_id)
-        if ActName.CONFIRM in self.now.acts:
+        if CommandName.CONFIRM in self.now.acts:
             await self.confirm()
         for _ in range(60):
             if self.present != step_id or self.now.suspicion is not None:
@@ -385,10 +385,10 @@ class Bench:
     async def confirm(self) -> None:
         """Confirm the present step, and say where the ballbar lies where that is asked for."""
         try:
-            await self.press(ActName.CONFIRM)
+            await self.press(CommandName.CONFIRM)
         except ReasonMissingError:
             assert self.hands.at is None, "an honest person does not say that it is off"
-            await self.press(ActName.CONFIRM, reason="it lies on the table")
+            await self.press(CommandName.CONFIRM, reason="it lies on the table")
 
     async def clear_hands(self, step_id: str) -> None:
         """Take the ballbar out of its cups on the way to a new connection, as a person must."""

@@ -11,7 +11,7 @@ from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.ledger import Expected
 from truepose.sessions.errors import NotNowError, ReasonMissingError
 from truepose_drivers.errors import NoReplyError
@@ -39,7 +39,7 @@ def findings(bench):
 
 
 async def accept(bench, serial=B):
-    return await bench.press(ActName.CONFIRM, accepted_serial=serial)
+    return await bench.press(CommandName.CONFIRM, accepted_serial=serial)
 
 
 async def test_who_was_met_first_is_in_the_ledger():
@@ -89,7 +89,7 @@ async def test_the_button_stores_nothing_of_another_one():
         bench.bar.serial = B
 
         with pytest.raises(NotNowError, match="Nothing was stored"):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
 
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
         assert len(lengths(bench)) == 1
@@ -154,7 +154,7 @@ async def test_a_confirmation_that_names_no_number_or_another_accepts_nothing():
         await foreign_at_the_first_side(bench)
 
         with pytest.raises(NotNowError, match="accept B-9"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
         with pytest.raises(NotNowError, match="nothing was accepted"):
             await accept(bench, "B-8")
 
@@ -165,7 +165,7 @@ async def test_a_confirmation_that_names_no_number_or_another_accepts_nothing():
 async def test_nothing_is_accepted_that_nobody_asked_about():
     async with Bench(make_plan((1, 2))) as bench:
         await at_the_first_side(bench)
-        await bench.press(ActName.STOP)
+        await bench.press(CommandName.STOP)
 
         with pytest.raises(NotNowError, match="nothing was accepted"):
             await accept(bench, A)
@@ -180,7 +180,7 @@ async def test_one_that_is_put_back_closes_the_question_and_its_zero_is_read_ane
 
         assert bench.now.ballbar.foreign is None
         assert B not in english(bench.now.question)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert bench.now.step.kind is StepKind.INITIALISE
         await bench.until("tool/side-2-3")
         assert {taken.certificate for taken in lengths(bench)} == {"C-1"}
@@ -216,14 +216,14 @@ async def test_the_question_survives_a_restart_and_so_does_the_answer():
         await settled(bench)
         assert B in english(bench.now.question)
         with pytest.raises(NotNowError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
         await accept(bench)
         await bench.restart()
         await settled(bench)
 
         assert bench.now.ballbar.serial == B
         assert bench.now.ballbar.foreign is None
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.until("tool/side-2-3")
         assert lengths(bench)[-1].instrument_serial == B
 
@@ -231,7 +231,7 @@ async def test_the_question_survives_a_restart_and_so_does_the_answer():
 async def test_while_paused_it_is_noted_and_asked_about_when_the_session_goes_on():
     async with Bench(make_plan((1, 2))) as bench:
         await at_the_first_side(bench)
-        await bench.press(ActName.PAUSE)
+        await bench.press(CommandName.PAUSE)
         bench.bar.plugged = False
         await bench.clock.advance(1.0)
         bench.bar.serial, bench.bar.plugged = B, True
@@ -239,7 +239,7 @@ async def test_while_paused_it_is_noted_and_asked_about_when_the_session_goes_on
 
         assert bench.now.state is SessionState.PAUSED
         assert B in english(bench.now.question)
-        await bench.press(ActName.RESUME)
+        await bench.press(CommandName.RESUME)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
 
 
@@ -255,7 +255,7 @@ async def test_nothing_moves_while_another_one_is_in_question():
         await bench.clock.advance(5.0)
 
         with pytest.raises(NotNowError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         assert bench.robot.moves == []
 
@@ -312,7 +312,7 @@ async def test_a_ballbar_that_does_not_answer_who_it_is_stores_nothing():
 
         bench.bar.identify = nobody
         with pytest.raises(NotNowError, match="Nothing was stored"):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
 
         assert len(lengths(bench)) == 1
 
@@ -320,15 +320,15 @@ async def test_a_ballbar_that_does_not_answer_who_it_is_stores_nothing():
 async def test_another_robot_is_refused_however_often_somebody_confirms():
     async with Bench(make_plan((1, 2))) as bench:
         await at_the_first_side(bench)
-        await bench.press(ActName.STOP)
+        await bench.press(CommandName.STOP)
         bench.robot.serial = "120-2"
 
         for _ in range(3):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
             assert bench.now.state is SessionState.AWAITING_CONFIRMATION
             assert "120-2" in english(bench.now.question)
         bench.robot.serial = "120-1"
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         assert bench.now.state is SessionState.RUNNING
 
@@ -340,7 +340,7 @@ async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move():
             await bench.do()
         bench.robot.serial = "120-2"
 
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await settled(bench)
 
         assert bench.robot.moves == []
@@ -371,13 +371,13 @@ async def test_another_one_shows_nothing_of_where_the_one_before_is():
         bench.bar.serial = B
         bench.hands.hold()  # B; the one before is between two balls
         with pytest.raises(NotNowError):  # it is asked who it is
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
         assert B in english(bench.now.question)
         await accept(bench)
         assert bench.present == "tool/detach"
 
         with pytest.raises(ReasonMissingError):
-            await bench.press(ActName.CONFIRM)
-        await bench.press(ActName.CONFIRM, reason="the one before is in its box")
+            await bench.press(CommandName.CONFIRM)
+        await bench.press(CommandName.CONFIRM, reason="the one before is in its box")
 
         assert not bench.now.attached

@@ -16,7 +16,7 @@ from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.state import READINGS
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.prompts import CELL_CLEAR
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
@@ -87,7 +87,7 @@ def test_skipping_a_leg_skips_the_rest_of_its_pose_but_not_taking_the_ballbar_of
     assert kinds["placement-1/pose-1/leg-1-2"] == "measured"  # what is read stays
     assert kinds["placement-1/pose-1/leg-3-1"] == "skipped"
     assert story.now.outcomes["placement-1/pose-1/leg-3-1"].text == "out of range"
-    assert ActName.SKIP not in story.now.acts
+    assert CommandName.SKIP not in story.now.acts
 
 
 def test_a_pose_skipped_before_the_arm_moves_is_skipped_whole():
@@ -203,7 +203,7 @@ def test_there_is_no_way_back_behind_a_pre_calibration():
     story = Story(PLAN).until("placement-1/pose-3/move")
 
     assert story.now.back_to is None
-    assert ActName.BACK not in story.now.acts
+    assert CommandName.BACK not in story.now.acts
 
 
 def test_there_is_no_way_back_to_a_fixture_that_was_taken_up():
@@ -219,11 +219,11 @@ def test_a_suspicion_holds_the_session_at_its_step_until_it_is_answered():
     story.suspect(DOUBT)
 
     assert story.present == "placement-1/pose-1/leg-1-2"
-    assert story.now.acts >= {ActName.ANSWER, ActName.RETRY, ActName.SKIP, ActName.STOP}
-    assert not story.now.acts & {ActName.STORE, ActName.BACK, ActName.CONFIRM}
+    assert story.now.acts >= {CommandName.ANSWER, CommandName.RETRY, CommandName.SKIP, CommandName.STOP}
+    assert not story.now.acts & {CommandName.STORE, CommandName.BACK, CommandName.CONFIRM}
     story.add("placement-1/pose-1/leg-1-2", EntryKind.ANSWERED, text="reconnected")
     assert story.now.suspicion is None
-    assert ActName.STORE in story.now.acts
+    assert CommandName.STORE in story.now.acts
 
 
 def test_a_reading_counts_from_the_calibrator_of_its_own_group():

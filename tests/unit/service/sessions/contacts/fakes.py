@@ -9,7 +9,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan, Target, TargetKind
 from truepose.domain.robot import FramePlacement
 from truepose.planning.contacts.plan import plan_of
-from truepose.planning.contacts.plan_request import ContactWish
+from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose_drivers.api import BallbarReading, DeviceIdentity
@@ -22,7 +22,7 @@ SPHERE = Target(1, TargetKind.SPHERE, zero_mm=RADII_MM, place_mm=(400.0, 0.0, 15
 
 
 def planned(stops: int = 6, **changes) -> ContactPlan:
-    return plan_of(CELL, ContactWish("probe", (SPHERE,), stops, nest=2, **changes))
+    return plan_of(CELL, ContactPlanRequest("probe", (SPHERE,), stops, nest=2, **changes))
 
 
 class FakeProbe:

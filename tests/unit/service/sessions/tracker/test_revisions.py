@@ -11,7 +11,7 @@ from tests.unit.service.sessions.tracker.operators import until
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError, PersonMissingError, ReasonMissingError
 from truepose.sessions.tracker.runner import TrackerRunner
 
@@ -42,10 +42,12 @@ class Halted:
 
     async def _pause(self):
         if len(self.cell.journal.points) == self._after and self.runner.state is SessionState.RUNNING:
-            await self.runner.act(Act(ActName.PAUSE, PERSON))
+            await self.runner.act(OperatorCommand(CommandName.PAUSE, PERSON))
 
     async def act(self, name, step_id=None, reason="", key="k"):
-        return await self.runner.act(Act(name, PERSON, key=f"{name}-{key}", step_id=step_id, reason=reason))
+        return await self.runner.act(
+            OperatorCommand(name, PERSON, key=f"{name}-{key}", step_id=step_id, reason=reason)
+        )
 
     async def go_on(self):
         await asking.resume(self.runner, PERSON)
@@ -65,7 +67,7 @@ def measured(cell):
 async def test_a_configuration_that_is_left_out_is_not_gone_to():
     cell = FakeCell()
     async with Halted(cell, make_plan(4), after=1) as session:
-        answer = await session.act(ActName.SKIP, "stop-3", "in the way")
+        answer = await session.act(CommandName.SKIP, "stop-3", "in the way")
         await session.go_on()
 
         assert await session.to_the_end() is SessionState.FINISHED
@@ -78,14 +80,14 @@ async def test_a_configuration_that_is_left_out_is_not_gone_to():
 
 async def test_what_was_measured_can_be_left_out_too():
     async with Halted(FakeCell(), make_plan(4), after=2) as session:
-        await session.act(ActName.SKIP, "stop-1", "I touched the reflector")
+        await session.act(CommandName.SKIP, "stop-1", "I touched the reflector")
 
         assert session.runner.record.measured == {2}
         assert session.runner.progress.done == 1
         assert session.runner.progress.skipped == 1
 
 
-@pytest.mark.parametrize("name", [ActName.RETRY, ActName.BACK])
+@pytest.mark.parametrize("name", [CommandName.RETRY, CommandName.BACK])
 async def test_what_comes_again_comes_last_and_after_a_question(name):
     cell = FakeCell()
     async with Halted(cell, make_plan(4), after=2) as session:
@@ -109,7 +111,7 @@ async def test_what_comes_again_comes_last_and_after_a_question(name):
 async def test_back_may_be_pressed_again_and_again():
     async with Halted(FakeCell(), make_plan(4, reference_every=9), after=2) as session:
         for number in range(3):
-            await session.act(ActName.BACK, key=str(number))
+            await session.act(CommandName.BACK, key=str(number))
 
         assert session.runner.record.measured == set()
         assert session.runner.situation.step.id == "fixed-nests"  # they come before the first stop
@@ -119,7 +121,7 @@ async def test_the_fixed_nests_are_looked_at_when_somebody_wants_it():
     cell = FakeCell()
     async with Halted(cell, make_plan(4, reference_every=9), after=2) as session:
         before = len(cell.journal.fixed)
-        await session.act(ActName.RETRY, "fixed-nests")
+        await session.act(CommandName.RETRY, "fixed-nests")
         await session.go_on()
         await session.to_the_end()
 
@@ -131,11 +133,11 @@ async def test_the_fixed_nests_are_looked_at_when_somebody_wants_it():
 @pytest.mark.parametrize(
     ("name", "step_id", "reason", "refused"),
     [
-        (ActName.SKIP, "stop-3", "  ", ReasonMissingError),
-        (ActName.SKIP, "stop-99", "why not", NotNowError),
-        (ActName.SKIP, "world-frame", "why not", NotNowError),
-        (ActName.RETRY, "stop-4", "", NotNowError),  # not measured yet
-        (ActName.RETRY, "instruments", "", NotNowError),
+        (CommandName.SKIP, "stop-3", "  ", ReasonMissingError),
+        (CommandName.SKIP, "stop-99", "why not", NotNowError),
+        (CommandName.SKIP, "world-frame", "why not", NotNowError),
+        (CommandName.RETRY, "stop-4", "", NotNowError),  # not measured yet
+        (CommandName.RETRY, "instruments", "", NotNowError),
     ],
 )
 async def test_what_makes_no_sense_changes_nothing(name, step_id, reason, refused):
@@ -149,8 +151,8 @@ async def test_what_makes_no_sense_changes_nothing(name, step_id, reason, refuse
 
 async def test_an_act_is_done_once_however_often_it_arrives():
     async with Halted(FakeCell(), make_plan(4), after=1) as session:
-        first = await session.act(ActName.SKIP, "stop-3", "in the way")
-        again = await session.act(ActName.SKIP, "stop-3", "in the way")
+        first = await session.act(CommandName.SKIP, "stop-3", "in the way")
+        again = await session.act(CommandName.SKIP, "stop-3", "in the way")
 
         assert first == again
         assert len(session.cell.journal.skipped) == 1
@@ -162,7 +164,7 @@ async def test_a_configuration_that_is_left_out_while_it_is_measured_has_no_read
 
         async def leave_out():
             if not cell.journal.skipped:
-                await session.act(ActName.SKIP, "stop-2", "something is in the beam")
+                await session.act(CommandName.SKIP, "stop-2", "something is in the beam")
 
         cell.robot.before_move = leave_out
         await session.go_on()
@@ -175,20 +177,22 @@ async def test_the_order_of_a_test_is_kept():
     stops = tuple(PlannedStop(n, make_stop(n).joints_rad, 1, group=1) for n in (1, 2, 3))
     async with Halted(FakeCell(), make_plan(stops=stops), after=1) as session:
         with pytest.raises(NotNowError, match="part of the test"):
-            await session.act(ActName.RETRY, "stop-1")
+            await session.act(CommandName.RETRY, "stop-1")
 
 
 async def test_nobody_does_it_without_a_name():
     async with Halted(FakeCell(), make_plan(4), after=1) as session:
         with pytest.raises(PersonMissingError):
-            await session.runner.act(Act(ActName.SKIP, " ", key="k", step_id="stop-2", reason="so"))
+            await session.runner.act(
+                OperatorCommand(CommandName.SKIP, " ", key="k", step_id="stop-2", reason="so")
+            )
 
 
 async def test_after_a_stop_a_person_confirms_anew():
     cell = FakeCell()
     async with Halted(cell, make_plan(4), after=1) as session:
         await session.go_on()
-        cell.robot.before_move = lambda: session.runner.act(Act(ActName.STOP, PERSON))
+        cell.robot.before_move = lambda: session.runner.act(OperatorCommand(CommandName.STOP, PERSON))
         question = await session.to_the_question()
         cell.robot.before_move = None
 

@@ -10,7 +10,7 @@ from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_befor
 from truepose.domain.cell import Box, CellLimits, Cylinder, HalfSpace, KeepOuts
 from truepose.planning.ballbar.bodies import chain_of
 from truepose.planning.ballbar.paths import between
-from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import plan_at
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
@@ -68,7 +68,7 @@ def test_the_base_fixture_is_not_put_into_a_volume():
     left = KeepOuts(half_spaces=(HalfSpace("aisle", (0.0, 200.0, 0.0), (0.0, -1.0, 0.0)),))
 
     (fixture,) = suggest(
-        ballbar_cell(keep_outs=left), Wish(poses=6, draws=60, moves=0, starts=1, seed=2)
+        ballbar_cell(keep_outs=left), PlacementRequest(poses=6, draws=60, moves=0, starts=1, seed=2)
     ).fixtures
 
     assert fixture.cups_mm[:, 1].max() < 200.0

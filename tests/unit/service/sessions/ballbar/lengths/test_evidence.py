@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, Evidence
+from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, AttachmentEvidence
 from truepose_drivers.api import BallbarReading
 
 STEP_S = 0.05
@@ -14,7 +14,7 @@ class Stream:
     """Samples at 20 Hz into the evidence."""
 
     def __init__(self):
-        self.evidence = Evidence(range_mm=1.0)
+        self.evidence = AttachmentEvidence(range_mm=1.0)
         self.now_s = 100.0
         self.number = 0
 

@@ -10,7 +10,7 @@ from tests.unit.service.sessions.ballbar.sessions import joints, make_plan
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import NotNowError, ReasonMissingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError
 
@@ -30,11 +30,11 @@ async def test_the_word_that_the_ballbar_is_off_is_refused_while_it_reads_a_leng
         await bench_at(bench, DETACH)  # it is still where the last leg was read
 
         with pytest.raises(NotNowError, match="between two balls, or on the calibrator"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         assert bench.now.attached
         bench.hands.detach()
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert not bench.now.attached
 
 
@@ -46,7 +46,7 @@ async def test_a_motion_is_not_confirmed_while_the_ballbar_is_back_on(what):
         bench.hands.connect(what, (1, 1))
 
         with pytest.raises(NotNowError, match="lay it down"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         await bench.clock.advance(5.0)
         assert len(bench.robot.moves) == before
@@ -59,7 +59,7 @@ async def test_a_ballbar_that_was_seen_to_come_off_is_believed_to_be_off(beyond_
         bench.hands.hold()
         bench.bar.out_of_range_mm = beyond_mm
 
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         assert not bench.now.attached
 
@@ -72,7 +72,7 @@ async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the
         bench.bar.out_of_range_mm = 1.05
 
         with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
 
 async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ballbar_stays_on():
@@ -81,14 +81,14 @@ async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ba
         bench.hands.connect("leg", (3, 1))
         bench.bar.out_of_range_mm = 1.05
         await bench.clock.advance(0.5)
-        await bench.press(ActName.SKIP, reason="too long")
+        await bench.press(CommandName.SKIP, reason="too long")
 
         with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         bench.hands.hold()  # at its end it looks the same in the cups and on the table
         bench.bar.out_of_range_mm = None
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert not bench.now.attached
 
 
@@ -103,7 +103,7 @@ async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read
             await bench.clock.advance(0.5)
             await lose(bench, lost)
             bench.hands.connect("leg", (1, 1))
-            await bench.press(ActName.SKIP, reason="it reads nothing")
+            await bench.press(CommandName.SKIP, reason="it reads nothing")
         else:
             await bench_at(bench, DETACH)
             await lose(bench, lost)
@@ -112,7 +112,7 @@ async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read
 
         for _ in range(3):
             with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
-                await bench.press(ActName.CONFIRM)
+                await bench.press(CommandName.CONFIRM)
             await bench.clock.advance(1.0)
 
         assert len(bench.robot.moves) == before
@@ -129,7 +129,7 @@ async def lose(bench: Bench, how: str) -> None:
         case _:
             bench.bar.switched_on = False
             await bench.restart()
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
     await bench.clock.advance(3.0)
 
 
@@ -139,15 +139,15 @@ async def test_what_a_person_said_does_not_outlive_the_next_length_that_is_asked
         bench.bar.switched_on = False
         await bench.clock.advance(1.0)
         bench.hands.detach()
-        await bench.press(ActName.CONFIRM, reason="it lies on the table")
+        await bench.press(CommandName.CONFIRM, reason="it lies on the table")
         await bench.do()  # the motion
         assert bench.present == "placement-1/pose-2/initialise"
         bench.hands.connect("leg", (1, 1))
 
-        await bench.press(ActName.SKIP, reason="it reads nothing")
+        await bench.press(CommandName.SKIP, reason="it reads nothing")
 
         with pytest.raises(ReasonMissingError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
 
 async def test_a_person_who_lays_the_ballbar_aside_is_never_asked_how_they_know():
@@ -169,8 +169,8 @@ async def test_a_link_that_is_lost_with_the_ballbar_on_takes_a_reason_that_is_ke
         assert bench.runner._readings.sample.reason_needed
 
         with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
-            await bench.press(ActName.CONFIRM)
-        await bench.press(ActName.CONFIRM, reason="its battery is out, it lies on the table")
+            await bench.press(CommandName.CONFIRM)
+        await bench.press(CommandName.CONFIRM, reason="its battery is out, it lies on the table")
 
         (entry,) = bench.kept(DETACH, EntryKind.CONFIRMED)
         assert entry.text == "its battery is out, it lies on the table"
@@ -200,13 +200,13 @@ async def test_a_count_that_stands_still_is_not_believed_and_nothing_of_it_is_st
 
         assert bench.runner._readings.sample.state == "no_signal"
         with pytest.raises(NotNowError):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
         bench.bar.frozen = False
         await bench.until(DETACH)
         bench.bar.frozen = True
         await bench.clock.advance(2.0)
         with pytest.raises(ReasonMissingError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
 
 async def test_after_a_restart_the_ledgers_word_is_not_enough_where_the_ballbar_is_back_on():
@@ -216,10 +216,10 @@ async def test_after_a_restart_the_ledgers_word_is_not_enough_where_the_ballbar_
         await bench.kill()
         bench.hands.connect("leg", (1, 1))
         await bench.restart()
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         with pytest.raises(NotNowError, match="within its range"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         assert len(bench.robot.moves) == before
 
@@ -229,11 +229,11 @@ async def test_after_a_restart_a_ballbar_that_cannot_be_read_takes_a_reason_once
         await bench_at(bench, MOVE)
         bench.bar.plugged = False
         await bench.restart()
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         with pytest.raises(ReasonMissingError):
-            await bench.press(ActName.CONFIRM)
-        await bench.press(ActName.CONFIRM, reason="it is in its box")
+            await bench.press(CommandName.CONFIRM)
+        await bench.press(CommandName.CONFIRM, reason="it is in its box")
         await bench.clock.advance(5.0)
 
         assert bench.robot.joints == joints(2)
@@ -244,7 +244,7 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
     async with Bench(plan) as bench:
         await bench_at(bench, "placement-1/pose-1/move")
         before = len(bench.robot.moves)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.9)  # on the first piece of its way
         assert len(bench.robot.moves) == before + 1
 
@@ -257,10 +257,10 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
         assert bench.now.attached
         (again,) = bench.kept("placement-1/pose-1/move/detach", EntryKind.REOPENED)
         assert english(again.text) == "The ballbar read a length within its range."
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert bench.present == "placement-1/pose-1/move/detach"
         with pytest.raises(NotNowError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
         await bench.do()
         await bench.do()
         assert bench.robot.joints == joints(1)
@@ -269,7 +269,7 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
 async def test_a_ballbar_seen_on_during_the_last_piece_of_the_way_does_not_let_the_arm_arrive():
     async with Bench(PLAN) as bench:
         await bench_at(bench, MOVE)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         while bench.robot.moves[-1] != joints(2):
             await bench.clock.advance(0.1)
         bench.hands.connect("leg", (1, 1))
@@ -285,10 +285,10 @@ async def test_a_ballbar_seen_on_during_the_last_piece_of_the_way_does_not_let_t
 async def test_stop_while_the_ballbar_is_seen_on_keeps_both():
     async with Bench(PLAN) as bench:
         await bench_at(bench, MOVE)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
         bench.hands.connect("leg", (1, 1))
-        await bench.press(ActName.STOP)
+        await bench.press(CommandName.STOP)
         await bench.clock.advance(5.0)
 
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
@@ -303,7 +303,7 @@ async def test_a_confirmation_of_a_motion_never_answers_another_question():
         before = len(bench.robot.moves)
 
         confirmed, _ = await asyncio.gather(
-            bench.press(ActName.CONFIRM), bench.press(ActName.STOP), return_exceptions=True
+            bench.press(CommandName.CONFIRM), bench.press(CommandName.STOP), return_exceptions=True
         )
 
         assert isinstance(confirmed, NotNowError)
@@ -317,7 +317,7 @@ async def test_a_cup_is_not_clamped_on_record_where_the_arm_was_moved_since():
         bench.robot.joints = (0.02, *bench.robot.joints[1:])
 
         with pytest.raises(NotNowError, match="does not count as clamped: Joint 1"):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
 
@@ -330,12 +330,12 @@ async def test_a_calibrator_that_is_stored_by_hand_as_a_leg_is_asked_about():
         await bench_at(bench, "placement-1/pose-1/leg-1-1")
         bench.suspect.blind = True
 
-        await bench.press(ActName.STORE)  # the ballbar is where its zero was read
+        await bench.press(CommandName.STORE)  # the ballbar is where its zero was read
 
         assert bench.now.suspicion.suspicion.kind == "calibrator"
         assert bench.kept("placement-1/pose-1/leg-1-1") == []
-        await bench.press(ActName.ANSWER, answer="reconnected")
-        await bench.press(ActName.STORE)  # it was not, in truth
+        await bench.press(CommandName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.STORE)  # it was not, in truth
         assert bench.now.suspicion.suspicion.kind == "calibrator"
 
 
@@ -351,7 +351,7 @@ async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_
 
         assert bench.kept(step_id) == []
         assert bench.now.suspicion.suspicion.kind == "calibrator"
-        await bench.press(ActName.ANSWER, answer="right_pair")
+        await bench.press(CommandName.ANSWER, answer="right_pair")
         (entry,) = bench.kept(step_id)
         assert entry.suspicion.kind == "calibrator"
 
@@ -364,7 +364,7 @@ async def test_a_connection_that_was_read_already_is_asked_about_when_it_is_stor
         await bench.do()
         assert bench.present == second
 
-        await bench.press(ActName.STORE)
+        await bench.press(CommandName.STORE)
 
         assert bench.kept(second) == []
         assert bench.now.suspicion.suspicion.kind == "same_connection"
@@ -374,10 +374,10 @@ async def test_a_connection_that_was_read_already_is_asked_about_when_it_is_stor
 async def test_what_is_said_to_be_connected_anew_and_was_not_let_go_is_asked_about_again():
     async with Bench(PLAN) as bench:
         await bench_at(bench, "tool/side-2-3")
-        await bench.press(ActName.STORE)
-        await bench.press(ActName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.STORE)
+        await bench.press(CommandName.ANSWER, answer="reconnected")
 
-        await bench.press(ActName.STORE)
+        await bench.press(CommandName.STORE)
 
         assert bench.now.suspicion.suspicion.kind == "same_connection"
 
@@ -386,7 +386,7 @@ async def test_retry_does_not_store_by_itself_what_is_connected_for_another_step
     async with Bench(PLAN) as bench:
         await bench_at(bench, "tool/side-2-3")
 
-        await bench.press(ActName.RETRY)
+        await bench.press(CommandName.RETRY)
         await bench.clock.advance(5.0)
 
         assert bench.present == "tool/side-2-3"
@@ -396,10 +396,10 @@ async def test_retry_does_not_store_by_itself_what_is_connected_for_another_step
 async def test_retry_after_back_reads_the_same_connection_again():
     async with Bench(PLAN) as bench:
         await bench_at(bench, "tool/side-2-3")
-        await bench.press(ActName.BACK)
+        await bench.press(CommandName.BACK)
         assert bench.present == "tool/side-1-2"
 
-        await bench.press(ActName.RETRY)
+        await bench.press(CommandName.RETRY)
         await bench.clock.advance(2.0)
 
         assert len(bench.kept("tool/side-1-2")) == 2
@@ -409,9 +409,9 @@ async def test_after_a_restart_it_is_still_known_what_was_connected():
     async with Bench(PLAN) as bench:
         await bench_at(bench, "placement-1/pose-1/leg-1-1")
         await bench.restart()
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
-        await bench.press(ActName.STORE)
+        await bench.press(CommandName.STORE)
 
         assert bench.now.suspicion.suspicion.kind == "calibrator"
 
@@ -451,13 +451,13 @@ async def test_a_zero_after_a_lost_supply_is_not_taken_from_the_leg_that_is_conn
         await bench.clock.advance(5.0)
         assert bench.present == f"{NEXT}/initialise"
 
-        await bench.press(ActName.RETRY)
+        await bench.press(CommandName.RETRY)
         await bench.clock.advance(3.0)
         assert bench.kept(f"{NEXT}/initialise") == []
-        await bench.press(ActName.STORE)
+        await bench.press(CommandName.STORE)
 
         assert bench.now.suspicion.suspicion.kind == "not_calibrator"
-        await bench.press(ActName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.ANSWER, answer="reconnected")
         await bench.do()
         assert bench.present == NEXT
 
@@ -483,7 +483,7 @@ async def test_the_button_is_refused_and_the_page_knows_it_beforehand(state, say
 
         assert (sample.state, sample.can_store, sample.why_not) == (state, False, state)
         with pytest.raises(NotNowError, match=says):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
 
 
 async def test_the_page_knows_when_a_length_can_be_stored_and_whether_it_was_let_go():
@@ -521,5 +521,5 @@ async def test_a_mistake_of_the_program_has_the_session_await_a_person_and_go_on
         assert "ValueError" in english(question(bench.runner))
         bench.bar.read = read
         await bench.restart()
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.until(None)

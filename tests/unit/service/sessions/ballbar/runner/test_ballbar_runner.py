@@ -11,7 +11,7 @@ from tests.unit.service.sessions.ballbar.sessions import joints, make_plan
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import (
     NotNowError,
     PersonMissingError,
@@ -101,7 +101,7 @@ async def test_a_confirmation_that_was_under_way_for_long_moves_nothing():
         await bench.clock.advance(2.5)
 
         with pytest.raises(NotNowError, match=r"2\.5 s"):
-            await bench.press(ActName.CONFIRM, seen_time_s=seen_s)
+            await bench.press(CommandName.CONFIRM, seen_time_s=seen_s)
 
         await bench.clock.advance(5.0)
         assert bench.robot.moves == []
@@ -153,11 +153,11 @@ async def test_nothing_is_stored_by_itself_once_the_arm_was_moved_by_others_and_
         bench.hands.do_as_asked(LEG)
 
         with pytest.raises(NotNowError, match="Joint 1"):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
 
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
         assert bench.kept(LEG) == []
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert bench.present == "placement-1/pose-1/move/detach"
 
 
@@ -179,7 +179,7 @@ async def test_the_button_stores_what_is_shown():
         bench.hands.do_as_asked("tool/initialise")
         await bench.clock.advance(0.1)  # not long enough to be stored by itself
 
-        outcome = await bench.press(ActName.STORE)
+        outcome = await bench.press(CommandName.STORE)
 
         (entry,) = bench.kept("tool/initialise")
         assert entry.length.by_hand
@@ -193,7 +193,7 @@ async def test_the_button_stores_nothing_that_was_shown_before_it_was_pressed():
         await bench.clock.advance(1.0)  # still on the calibrator
         bench.hands.do_as_asked("tool/side-1-2")
 
-        await bench.press(ActName.STORE)  # at once
+        await bench.press(CommandName.STORE)  # at once
 
         (entry,) = bench.kept("tool/side-1-2")
         assert entry.length.deviation_mm == pytest.approx(bench.hands.deviation_mm, abs=NOISE_MM)
@@ -204,7 +204,7 @@ async def test_the_button_does_not_wait_for_a_session_that_is_no_longer_run():
         await bench.start()
         bench.hands.do_as_asked("tool/initialise")
         pressed = asyncio.create_task(
-            bench.runner.act(Act(ActName.STORE, "Eva", "one", "k", "tool/initialise"))
+            bench.runner.act(OperatorCommand(CommandName.STORE, "Eva", "one", "k", "tool/initialise"))
         )
         await turns()
 
@@ -225,7 +225,7 @@ async def test_the_button_stores_nothing_where_there_is_no_length(shown_mm, says
         await bench.clock.advance(0.5)
 
         with pytest.raises(NotNowError, match=says):
-            await bench.press(ActName.STORE)
+            await bench.press(CommandName.STORE)
 
         assert bench.kept("tool/initialise") == []
 
@@ -236,7 +236,7 @@ async def test_a_repeated_request_is_done_once_and_answered_twice():
         await bench.until("placement-1/place")
 
         answers = await asyncio.gather(
-            bench.press(ActName.CONFIRM, key="k"), bench.press(ActName.CONFIRM, key="k")
+            bench.press(CommandName.CONFIRM, key="k"), bench.press(CommandName.CONFIRM, key="k")
         )
 
         assert answers[0] == answers[1]
@@ -248,10 +248,10 @@ async def test_a_repeated_request_is_known_after_a_restart():
     async with Bench(PLAN) as bench:
         await bench.start()
         await bench.until("placement-1/place")
-        first = await bench.press(ActName.CONFIRM, key="k")
+        first = await bench.press(CommandName.CONFIRM, key="k")
         await bench.restart()
 
-        again = await bench.press(ActName.CONFIRM, key="k", step_id="placement-1/place")
+        again = await bench.press(CommandName.CONFIRM, key="k", step_id="placement-1/place")
 
         assert again.entry == first.entry
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION  # the key confirmed nothing else
@@ -264,7 +264,7 @@ async def test_an_act_for_a_step_that_is_no_longer_there_does_nothing():
         before = len(bench.disk.entries)
 
         with pytest.raises(NotNowError, match="tool/side-1-2"):
-            await bench.press(ActName.SKIP, step_id="tool/initialise", reason="late")
+            await bench.press(CommandName.SKIP, step_id="tool/initialise", reason="late")
 
         assert len(bench.disk.entries) == before
 
@@ -272,16 +272,16 @@ async def test_an_act_for_a_step_that_is_no_longer_there_does_nothing():
 async def test_a_tablet_that_watches_may_stop_and_take_over_but_not_act():
     async with Bench(PLAN) as bench:
         await bench.start()
-        for name in set(ActName) - {ActName.STOP, ActName.HAND_OVER}:
+        for name in set(CommandName) - {CommandName.STOP, CommandName.HAND_OVER}:
             with pytest.raises(WatchingTabletError, match="Eva"):
                 await bench.press(name, tablet="two", person="Ada")
 
-        await bench.press(ActName.HAND_OVER, tablet="two", person="Ada")
+        await bench.press(CommandName.HAND_OVER, tablet="two", person="Ada")
 
         assert (bench.now.acting.tablet, bench.now.acting.person) == ("two", "Ada")
         with pytest.raises(WatchingTabletError, match="Ada"):
-            await bench.press(ActName.RETRY)
-        await bench.press(ActName.STOP)
+            await bench.press(CommandName.RETRY)
+        await bench.press(CommandName.STOP)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
 
 
@@ -291,9 +291,9 @@ async def test_an_act_needs_a_name_and_a_skip_its_reason():
         await bench.until("tool/side-1-2")
 
         with pytest.raises(PersonMissingError):
-            await bench.press(ActName.SKIP, person=" ", reason="out of range")
+            await bench.press(CommandName.SKIP, person=" ", reason="out of range")
         with pytest.raises(ReasonMissingError):
-            await bench.press(ActName.SKIP, reason=" ")
+            await bench.press(CommandName.SKIP, reason=" ")
 
 
 async def test_back_does_not_take_what_is_connected_for_what_is_asked_again():
@@ -304,7 +304,7 @@ async def test_back_does_not_take_what_is_connected_for_what_is_asked_again():
         bench.suspect.blind = True
         await bench.clock.advance(0.1)
 
-        await bench.press(ActName.BACK)
+        await bench.press(CommandName.BACK)
         await bench.clock.advance(5.0)
 
         assert bench.present == LEG
@@ -344,7 +344,7 @@ async def test_a_plan_that_does_not_fit_is_refused_before_anything_happens():
 
 async def test_a_session_that_never_began_can_be_ended():
     async with Bench(PLAN) as bench:
-        await bench.press(ActName.ABORT)
+        await bench.press(CommandName.ABORT)
 
         assert await bench.running is SessionState.ABORTED
         assert bench.states() == [SessionState.ABORTED]

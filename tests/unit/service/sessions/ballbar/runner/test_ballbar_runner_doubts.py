@@ -8,7 +8,7 @@ from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import EntryKind
 from truepose.sessions.ballbar.length_check import Judges
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import (
     NotNowError,
 )
@@ -27,7 +27,7 @@ async def test_a_wrong_connection_is_asked_about_and_never_stored_silently():
 
         assert bench.kept(LEG) == []
         assert bench.now.suspicion.suspicion.suspected == (2, 3)
-        await bench.press(ActName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.ANSWER, answer="reconnected")
         await bench.clock.advance(2.0)  # it was not, in truth
         assert bench.kept(LEG) == []
         bench.hands.do_as_asked(LEG)
@@ -73,7 +73,7 @@ async def test_a_doubt_that_the_person_denies_is_stored_with_the_answer():
         bench.hands.detach()  # the reading is the one that was taken, whatever is connected now
         await bench.clock.advance(0.5)
 
-        await bench.press(ActName.ANSWER, answer="right_pair")
+        await bench.press(CommandName.ANSWER, answer="right_pair")
 
         (entry,) = bench.kept(LEG)
         (doubt,) = bench.kept(LEG, EntryKind.SUSPECTED)
@@ -93,7 +93,7 @@ async def test_a_leg_that_was_read_of_another_pair_is_read_again_once_that_pair_
         await bench.do()  # as asked for: the pair that was read before
         assert bench.now.suspicion.suspicion.kind == "same_pair"
 
-        await bench.press(ActName.ANSWER, answer="right_pair")
+        await bench.press(CommandName.ANSWER, answer="right_pair")
 
         assert len(bench.kept(LEG)) == 1
         assert bench.present == first
@@ -110,7 +110,7 @@ async def test_two_pairs_of_one_length_are_read_again_once_at_most():
             bench.hands.connect("leg", LEGS[1])
             await bench.clock.advance(1.0)
             if bench.now.suspicion is not None:
-                await bench.press(ActName.ANSWER, answer="right_pair")
+                await bench.press(CommandName.ANSWER, answer="right_pair")
 
         assert bench.now.outcomes[first].length is not None
         assert bench.now.outcomes[LEG].length is not None
@@ -126,7 +126,7 @@ async def test_an_earlier_leg_that_is_meant_by_a_doubt_is_read_again_and_no_othe
         bench.suspect.of_pose = (Suspicion("other_pair", (1, 1), suspected, 300.1, 300.2),)
         await bench.do()
 
-        await bench.press(ActName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.ANSWER, answer="reconnected")
 
         assert bench.present == "placement-1/pose-2/leg-1-1"
         assert bench.now.outcomes["placement-1/pose-2/initialise"].kind == "measured"
@@ -141,7 +141,7 @@ async def test_an_answer_that_is_none_is_refused():
         await bench.clock.advance(2.0)
 
         with pytest.raises(NotNowError, match="right_pair"):
-            await bench.press(ActName.ANSWER, answer="maybe")
+            await bench.press(CommandName.ANSWER, answer="maybe")
 
 
 async def test_legs_that_were_exchanged_are_both_read_again():
@@ -154,7 +154,7 @@ async def test_legs_that_were_exchanged_are_both_read_again():
         await bench.do()
         assert bench.now.suspicion is not None
 
-        await bench.press(ActName.ANSWER, answer="reconnected")
+        await bench.press(CommandName.ANSWER, answer="reconnected")
 
         kinds = {
             name[-3:]: outcome.kind for name, outcome in bench.now.outcomes.items() if "pose-2/leg" in name

@@ -11,7 +11,7 @@ from tests.unit.service.sessions.ballbar.sessions import found, joints, make_pla
 from truepose.domain.errors import UnderdeterminedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import (
     NotNowError,
 )
@@ -52,11 +52,11 @@ async def test_a_robot_that_is_gone_has_the_session_await_a_person_and_go_on():
         bench.robot.plugged = False
         await bench.clock.advance(1.0)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION  # it is still gone
 
         bench.robot.plugged = True
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         await bench.until(None)
         assert bench.now.state is SessionState.FINISHED
@@ -72,7 +72,7 @@ async def test_a_motion_that_fails_is_asked_for_again(fault):
         await bench.do()
 
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         assert bench.present == CUP
         assert not bench.now.confirmed
         await bench.do()
@@ -82,9 +82,9 @@ async def test_a_motion_that_fails_is_asked_for_again(fault):
 @pytest.mark.parametrize(
     ("name", "state"),
     [
-        (ActName.PAUSE, SessionState.PAUSED),
-        (ActName.STOP, SessionState.AWAITING_CONFIRMATION),
-        (ActName.ABORT, SessionState.ABORTED),
+        (CommandName.PAUSE, SessionState.PAUSED),
+        (CommandName.STOP, SessionState.AWAITING_CONFIRMATION),
+        (CommandName.ABORT, SessionState.ABORTED),
     ],
 )
 async def test_a_halt_during_a_motion_lets_it_end_and_sends_nothing_more(name, state):
@@ -92,7 +92,7 @@ async def test_a_halt_during_a_motion_lets_it_end_and_sends_nothing_more(name, s
         await bench.start()
         await bench.until("placement-1/pose-1/move")
         before = len(bench.robot.moves)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
         assert bench.runner.robot_moving
 
@@ -113,13 +113,13 @@ async def test_a_way_on_which_the_arm_was_halted_is_gone_on_with_from_there():
         await bench.start()
         await bench.until("placement-1/pose-1/move")
         before = len(bench.robot.moves)
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         while len(bench.robot.moves) < before + 2:
             await bench.clock.advance(0.1)
-        await bench.press(ActName.STOP)
+        await bench.press(CommandName.STOP)
         await bench.clock.advance(2.0)
 
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.do()
 
         assert bench.robot.moves[before:] == [*stops, joints(1)]
@@ -132,7 +132,7 @@ async def test_a_halt_that_is_asked_for_while_a_motion_is_being_confirmed_comes_
         before = list(bench.robot.moves)
 
         confirmed, _ = await asyncio.gather(
-            bench.press(ActName.CONFIRM), bench.press(ActName.STOP), return_exceptions=True
+            bench.press(CommandName.CONFIRM), bench.press(CommandName.STOP), return_exceptions=True
         )
         await bench.clock.advance(5.0)
 
@@ -145,9 +145,9 @@ async def test_after_a_pause_the_cell_is_looked_at_again():
     async with Bench(PLAN) as bench:
         await bench.start()
         await bench.until(CUP)
-        await bench.press(ActName.PAUSE)
+        await bench.press(CommandName.PAUSE)
 
-        await bench.press(ActName.RESUME)
+        await bench.press(CommandName.RESUME)
         await bench.clock.advance(5.0)
 
         assert bench.robot.moves == []
@@ -160,7 +160,7 @@ async def test_after_a_restart_the_same_step_is_there_and_nothing_moves_before_a
     async with Bench(PLAN) as bench:
         await bench.start()
         await bench.until("placement-1/pose-1/move")
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
         before = list(bench.robot.moves)
 
@@ -170,7 +170,7 @@ async def test_after_a_restart_the_same_step_is_there_and_nothing_moves_before_a
         assert bench.present == "placement-1/pose-1/move"
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
         assert bench.robot.moves == before
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(10.0)
         assert bench.robot.moves == before  # that was the session, not the motion
         await bench.until(None)
@@ -186,7 +186,7 @@ async def test_every_reading_survives_a_restart_at_every_step():
             step_id, measured = bench.present, bench.now.progress.readings
             await bench.restart()
             assert (bench.present, bench.now.progress.readings) == (step_id, measured)
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
 
         assert bench.now.state is SessionState.FINISHED
         assert all(len(bench.kept(step.id)) <= 1 for step in bench.now.steps)
@@ -200,7 +200,7 @@ async def test_an_arm_that_was_moved_while_the_program_was_off_loses_its_stop():
         bench.robot.joints = joints(7)
         await bench.restart()
 
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
 
         assert bench.present == "placement-1/pose-1/move/detach"
         assert bench.now.outcomes["placement-1/pose-1/leg-1-1"].kind == "open"
@@ -216,11 +216,11 @@ async def test_a_pre_calibration_that_fails_pauses_and_can_be_tried_again_or_lef
         assert "Six legs are too few." in english(question(bench.runner))
         assert bench.present == "placement-1/precalibrate-1"
 
-        await bench.press(ActName.RESUME)
+        await bench.press(CommandName.RESUME)
         await bench.clock.advance(0.1)
         assert bench.oracle.asked == 2
-        await bench.press(ActName.SKIP, reason="no time")
-        await bench.press(ActName.RESUME)
+        await bench.press(CommandName.SKIP, reason="no time")
+        await bench.press(CommandName.RESUME)
 
         assert bench.present == "placement-1/pose-2/move"
 
@@ -259,7 +259,7 @@ async def test_the_end_does_not_wait_for_a_pre_calibration():
         await bench.until("placement-1/precalibrate-1")
         await bench.clock.advance(1.0)
 
-        await bench.press(ActName.ABORT)
+        await bench.press(CommandName.ABORT)
         await bench.clock.advance(1.0)
 
         assert await bench.running is SessionState.ABORTED

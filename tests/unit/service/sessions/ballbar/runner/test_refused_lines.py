@@ -10,7 +10,7 @@ from tests.unit.service.sessions.ballbar.sessions import make_plan
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.commands import CommandName
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 LEG = "placement-1/pose-1/leg-1-2"
@@ -58,9 +58,9 @@ async def test_an_arrival_that_is_refused_is_on_record_later_and_the_arm_stays()
 @pytest.mark.parametrize(
     ("name", "state"),
     [
-        (ActName.PAUSE, SessionState.PAUSED),
-        (ActName.STOP, SessionState.AWAITING_CONFIRMATION),
-        (ActName.ABORT, SessionState.ABORTED),
+        (CommandName.PAUSE, SessionState.PAUSED),
+        (CommandName.STOP, SessionState.AWAITING_CONFIRMATION),
+        (CommandName.ABORT, SessionState.ABORTED),
     ],
 )
 @pytest.mark.parametrize("moving", [True, False])
@@ -84,7 +84,9 @@ async def test_a_halt_that_is_refused_holds_and_is_kept_later(name, state, movin
         assert bench.now.state is bench.states()[-1] is state
         assert len(bench.robot.moves) == before + moving
         if state is not SessionState.ABORTED:
-            await bench.press(ActName.RESUME if name is ActName.PAUSE else ActName.CONFIRM, step_id=None)
+            await bench.press(
+                CommandName.RESUME if name is CommandName.PAUSE else CommandName.CONFIRM, step_id=None
+            )
             await bench.until(LEG)
 
 
@@ -92,15 +94,15 @@ async def test_an_end_that_is_refused_at_a_pause_does_not_come_back_at_the_resum
     async with Bench(PLAN) as bench:
         await bench.start()
         await bench.until(POSE)
-        await bench.press(ActName.PAUSE)
+        await bench.press(CommandName.PAUSE)
         bench.disk.fill()
         with pytest.raises(RecordRefusedError):
-            await bench.press(ActName.ABORT)
+            await bench.press(CommandName.ABORT)
         bench.disk.make_room()
         await bench.clock.advance(1.0)
 
         assert bench.now.state is SessionState.PAUSED
-        await bench.press(ActName.RESUME)
+        await bench.press(CommandName.RESUME)
         await bench.until(LEG)
         assert bench.now.state is SessionState.RUNNING
 
@@ -111,7 +113,7 @@ async def test_a_confirmation_that_is_refused_moves_nothing_then_or_later():
         await bench.until(CUP)
         bench.disk.fill()
         with pytest.raises(RecordRefusedError):
-            await bench.press(ActName.CONFIRM)
+            await bench.press(CommandName.CONFIRM)
         bench.disk.make_room()
         await bench.clock.advance(10.0)
 
@@ -133,13 +135,13 @@ async def test_every_line_of_a_session_may_be_refused_once():
         bench.disk.append = append
         bench.disk.make_room()
         while bench.now.state is not SessionState.FINISHED:
-            if ActName.START in bench.now.acts:
-                await press_until_kept(bench, ActName.START, None)
+            if CommandName.START in bench.now.acts:
+                await press_until_kept(bench, CommandName.START, None)
                 continue
             await bench.clear_hands(bench.present)
             bench.hands.do_as_asked(bench.present)
-            if ActName.CONFIRM in bench.now.acts:
-                await press_until_kept(bench, ActName.CONFIRM, bench.present)
+            if CommandName.CONFIRM in bench.now.acts:
+                await press_until_kept(bench, CommandName.CONFIRM, bench.present)
             await bench.clock.advance(0.5)
 
         measured = [entry.step_id for entry in bench.disk.entries if entry.length is not None]
@@ -171,5 +173,5 @@ async def test_a_session_that_is_taken_up_on_a_full_disk_waits_for_it():
         await turns()
 
         assert bench.states()[-1] is SessionState.AWAITING_CONFIRMATION
-        await bench.press(ActName.CONFIRM, step_id=None)
+        await bench.press(CommandName.CONFIRM, step_id=None)
         assert bench.now.state is SessionState.RUNNING

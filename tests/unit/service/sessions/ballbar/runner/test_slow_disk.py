@@ -7,7 +7,7 @@ import pytest
 from tests.unit.service.sessions.ballbar.fakes import Bench, turns
 from tests.unit.service.sessions.ballbar.sessions import make_plan
 from truepose.domain.session import SessionState
-from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
@@ -32,12 +32,12 @@ def take_time(bench, lasts_s):
 
 
 def press(bench, name, key, step_id=None, tablet="one"):
-    return asyncio.create_task(bench.runner.act(Act(name, "Eva", tablet, key, step_id)))
+    return asyncio.create_task(bench.runner.act(OperatorCommand(name, "Eva", tablet, key, step_id)))
 
 
 async def begin_motion(bench, step_id):
     """Confirm a motion and return once the arm is under way."""
-    confirmed = press(bench, ActName.CONFIRM, "c", step_id)
+    confirmed = press(bench, CommandName.CONFIRM, "c", step_id)
     for _ in range(40):
         await bench.clock.advance(0.05)
         if bench.robot.under_way:
@@ -53,10 +53,10 @@ async def test_the_button_and_the_ballbar_do_not_wait_for_each_other():
         await bench.clear_hands(LEG)
         take_time(bench, 0.5)  # longer than a length must stand still to be stored by itself
         bench.hands.do_as_asked(LEG)
-        handed_over = press(bench, ActName.HAND_OVER, "h", tablet="two")
+        handed_over = press(bench, CommandName.HAND_OVER, "h", tablet="two")
         await turns()
 
-        stored = press(bench, ActName.STORE, "s", LEG, tablet="two")
+        stored = press(bench, CommandName.STORE, "s", LEG, tablet="two")
         await bench.clock.advance(5.0)
 
         assert handed_over.done()
@@ -72,10 +72,10 @@ async def test_the_end_may_be_asked_for_while_a_pause_is_being_kept():
         take_time(bench, 0.4)
         bench.robot.motion_s = 0.2  # it ends before the pause is on the disk
         await begin_motion(bench, CUP)
-        paused = press(bench, ActName.PAUSE, "p")
+        paused = press(bench, CommandName.PAUSE, "p")
         await turns()
 
-        ended = press(bench, ActName.ABORT, "a")
+        ended = press(bench, CommandName.ABORT, "a")
         await bench.clock.advance(5.0)
 
         assert (await paused).entry < (await ended).entry
@@ -94,7 +94,7 @@ async def test_a_stop_that_the_disk_does_not_take_stops_all_the_same():
 
         bench.disk.append = append
         with pytest.raises(DiskFullError):
-            await press(bench, ActName.STOP, "s")
+            await press(bench, CommandName.STOP, "s")
         await bench.clock.advance(5.0)
 
         assert len(bench.robot.moves) == before + 1  # not on to the target
@@ -109,7 +109,7 @@ async def test_a_failure_on_a_full_disk_is_on_record_once_there_is_room(ending):
         await bench.until(CUP)
         if ending:
             await begin_motion(bench, CUP)
-            await bench.press(ActName.ABORT, step_id=None)
+            await bench.press(CommandName.ABORT, step_id=None)
         bench.disk.fill()
         bench.runner._readings.poll = unplugged
         await bench.clock.advance(1.0)
@@ -149,7 +149,7 @@ async def test_a_button_pressed_before_the_restart_is_on_record_comes_after_it()
         await bench.kill()
         bench.runner = bench._runner()
 
-        confirmed = press(bench, ActName.CONFIRM, "c")
+        confirmed = press(bench, CommandName.CONFIRM, "c")
         bench.running = asyncio.create_task(bench.runner.run())
         await confirmed
         await bench.clock.advance(1.0)
@@ -171,7 +171,7 @@ async def test_nothing_moves_on_a_statement_that_was_under_way_for_long():
             return await read()
 
         bench.robot.read_joints = late
-        await bench.press(ActName.CONFIRM)
+        await bench.press(CommandName.CONFIRM)
         for _ in range(100):
             await bench.clock.advance(0.01)
             await asyncio.sleep(0.02)
@@ -190,10 +190,10 @@ async def test_a_pose_is_skipped_also_where_the_ballbar_was_to_be_put_on_its_cal
         await bench.clock.advance(5.0)
         assert bench.present == f"{LEG}/initialise"
 
-        await bench.press(ActName.SKIP, reason="it will not come back")
+        await bench.press(CommandName.SKIP, reason="it will not come back")
 
         assert bench.present == "placement-1/pose-1/detach"
-        await bench.press(ActName.BACK)
+        await bench.press(CommandName.BACK)
         assert bench.present == f"{LEG}/initialise"
 
 
@@ -206,7 +206,7 @@ async def test_a_skip_names_its_step_also_while_the_session_rests():
         assert bench.now.state is SessionState.PAUSED
 
         with pytest.raises(NotNowError, match="precalibrate-1"):
-            await bench.press(ActName.SKIP, reason="not wanted", step_id=None)
+            await bench.press(CommandName.SKIP, reason="not wanted", step_id=None)
 
 
 async def test_who_begins_to_watch_a_run_that_is_over_is_let_go():
