@@ -148,7 +148,7 @@ async def open_context(
         stack.push_async_callback(context.session_desk.close)
         stack.push_async_callback(context.drawing_desk.kept.close)
         stack.callback(stop_streams, context)
-        beside(stack, Guard(database).follow(), "storage guard")
+        beside(stack, Guard(database).follow, "storage guard")
         yield context
 
 

@@ -61,7 +61,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             plant.cells, PlantRepositories(journal, hand_downs), visits, Pace(settings.every_s)
         )
         await journal.enter(*(cell.name for cell in plant.cells))
-        beside(stack, Guard(database).follow(), "storage guard")
+        beside(stack, Guard(database).follow, "storage guard")
         copies = copies_of(settings.service, stack)
         await stack.enter_async_context(collecting(collector))
         told = PlantResults(database)

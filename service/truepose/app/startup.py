@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import logging
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol
 
@@ -18,6 +18,7 @@ from truepose.storage.secret_files import Pepper
 from truepose.web.middleware.hosts import AllowedHosts
 
 _LOG: Final = logging.getLogger(__name__)
+_AGAIN_S: Final = 10.0  # after a fault that may come again at once
 
 
 def allowed_hosts(settings: Settings) -> AllowedHosts:
@@ -45,9 +46,11 @@ def opened_database(url: str) -> Database:
     return Database(url)
 
 
-def beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], name: str) -> None:
-    """Have work done as long as the stack is open."""
-    stack.push_async_callback(_end, asyncio.create_task(work, name=name))
+def beside(
+    stack: contextlib.AsyncExitStack, work: Callable[[], Coroutine[None, None, None]], name: str
+) -> None:
+    """Have work done as long as the stack is open; it is begun anew where it ends by a fault."""
+    stack.push_async_callback(_end, asyncio.create_task(_keep_up(work, name), name=name))
 
 
 def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSchedule | None:
@@ -55,7 +58,7 @@ def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSch
     if settings.backups is None:
         return None
     copies = BackupSchedule(settings.database_url, settings.backups)
-    beside(stack, copies.follow(), "copies of the database")
+    beside(stack, copies.follow, "copies of the database")
     return copies
 
 
@@ -66,6 +69,17 @@ def people_of(
     own = None if settings.pin_secret is None else Pepper(settings.pin_secret)
     pins = Pins(own or Pepper.beside(database.file))
     return open_people(database, pins, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
+
+
+async def _keep_up(work: Callable[[], Coroutine[None, None, None]], name: str) -> None:
+    while True:
+        try:
+            await work()
+        # Whatever it is: nobody waits for this task, so that its end would show nowhere, and a service
+        # without it would go on as if it were watched.
+        except Exception:
+            _LOG.exception("the %s ended by a fault; it begins again in %.0f s", name, _AGAIN_S)
+        await asyncio.sleep(_AGAIN_S)
 
 
 async def _end(task: asyncio.Task[None]) -> None:
