@@ -60,6 +60,7 @@ class Records:
     integrity: Integrity = "not_checked"
     checked_share: float = 0.0
     damage: str = ""  # empty: none was found
+    unchecked: str = ""  # why the last look at every record was not finished; empty: it was
     links: int = 0
     readings: int = 0
     server_doubts: tuple[str, ...] | None = None  # settings that are off on the server; None: a file
@@ -239,6 +240,7 @@ class HealthMonitor:
             integrity=condition.integrity,
             checked_share=condition.verified_share,
             damage=condition.damage or "",
+            unchecked=condition.unchecked or "",
             links=self._counts.links,
             readings=self._counts.readings,
             server_doubts=database.backend.server_doubts,

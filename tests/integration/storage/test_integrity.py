@@ -9,9 +9,10 @@ import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from truepose.storage.database import Database
-from truepose.storage.engine.backend import Condition
+from truepose.storage.engine.backend import FOREIGN, Condition
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
+from truepose.storage.integrity import monitor
 from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.entries import LedgerRepository
@@ -171,6 +172,51 @@ def noted(monkeypatch):
 
     monkeypatch.setattr(Condition, "note_damage", note_and_tell)
     return said
+
+
+TOLD_ALL = '{"share": 1.0, "findings": [], "records": 8}'
+UNFINISHED = {
+    "that fails": "raise SystemExit(1)",
+    "that is killed": "import os; os.kill(os.getpid(), 9)",
+    "that ends before the last line": "print('{\"share\": 0.5}')",
+    "that fails behind the last line": f"print('{TOLD_ALL}'); raise SystemExit(1)",
+    "that says something else": f"print('a warning'); print('{TOLD_ALL}')",
+    "that says a number": f"print('1'); print('{TOLD_ALL}')",
+}
+
+
+@pytest.mark.parametrize("process", UNFINISHED.values(), ids=UNFINISHED.keys())
+async def test_a_look_by_a_process_settles_no_doubt(process, database, monkeypatch):
+    monkeypatch.setattr(monitor, "_COMMAND", (sys.executable, "-c", process))
+    database.condition.note_damage(FOREIGN, "Another program has written.")
+
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    async with asyncio.timeout(60):
+        while database.condition.unchecked is None:
+            assert not guarding.done()
+            await asyncio.sleep(0.01)
+
+    assert database.condition.damage == "Another program has written."
+    assert database.condition.integrity == "damaged"
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
+
+
+async def test_a_look_that_was_not_finished_is_taken_again(database, monkeypatch):
+    looks = monitor._COMMAND
+    monkeypatch.setattr(monitor, "_RETRY_S", 0.0)
+    monkeypatch.setattr(monitor, "_COMMAND", (sys.executable, "-c", "raise SystemExit(1)"))
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    async with asyncio.timeout(60):
+        while database.condition.unchecked is None:
+            await asyncio.sleep(0.01)
+
+    monkeypatch.setattr(monitor, "_COMMAND", looks)
+    await whole(database)
+
+    assert database.condition.unchecked is None
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
 
 
 async def test_one_changed_bit_anywhere_shows_by_the_seal(left, database_url):

@@ -35,6 +35,7 @@ class Condition:
         self._damage: dict[str, str] = {}  # by what was found, in the order of finding
         self._checked: Integrity = "not_checked"
         self.verified_share = 0.0  # of the verification under way, or of the last one
+        self.unchecked: str | None = None  # why the last verification came to no end; None where it did
         self.trouble: str | None = None  # why records are refused; None while they are taken
         self.low: str | None = None  # why nothing new begins, while records are taken
 
@@ -76,13 +77,17 @@ class Condition:
 
     def end_verification(self, *, whole: bool) -> None:
         """Say what came of it: what others wrote has changed no record where everything is whole."""
-        self._checked, self.verified_share = "whole" if whole else "damaged", 1.0
+        self._checked, self.verified_share, self.unchecked = "whole" if whole else "damaged", 1.0, None
         if whole:
             with self._turn:
                 # Only this one is cleared: that others wrote is a doubt, which a look at every record
                 # settles. Missing protection, a broken seal or a wrong record stay damage however often the
                 # rest is found whole.
                 self._damage.pop(FOREIGN, None)
+
+    def give_up_verification(self, why: str) -> None:
+        """Say that nobody knows what would have come of it: no doubt is settled."""
+        self._checked, self.unchecked = "not_checked", why
 
 
 READERS: Final = 4  # as many queries at a time as a handful of browsers asks for

@@ -10,7 +10,7 @@ import contextlib
 import json
 import logging
 import sys
-from typing import Final
+from typing import Any, Final
 
 from truepose.storage.database import Database
 from truepose.storage.engine.backend import FOREIGN
@@ -23,7 +23,12 @@ _COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verificatio
 _FIRST_S: Final = 2.0  # the service is ready before anything is looked through
 _LOOK_S: Final = 1.0
 _AGAIN_S: Final = 6 * 3600.0
+_RETRY_S: Final = 600.0  # after a look that was not finished
 _LINE_BYTES: Final = 1 << 20
+
+
+class UnfinishedError(Exception):
+    """The process that looks through the database ended before it had."""
 
 
 class Guard:
@@ -62,13 +67,16 @@ class Guard:
             # Before the look and not after it: whoever writes while everything is looked through is looked
             # through again.
             self._doubt.clear()
+            again_s = _AGAIN_S
             try:
                 await self._verify()
-            except OSError as error:  # no process can be had now; the next time it may
+            except (OSError, UnfinishedError) as error:  # OSError: no process can be had now
                 _LOG.warning("the database was not looked through: %s", error)
+                self._condition.give_up_verification(str(error))
+                again_s = _RETRY_S
             # not wait_for: before Python 3.12 it drops a cancellation that comes together with the doubt
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(_AGAIN_S):
+                async with asyncio.timeout(again_s):
                     await self._doubt.wait()
 
     async def check_seal(self) -> None:
@@ -137,14 +145,26 @@ class Guard:
             await process.wait()
 
     async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
-        findings: list[str] = []
+        told: dict[str, Any] = {}
         if process.stdin is not None and process.stdout is not None:
             # The URL may hold a password, and arguments are seen by everybody on the machine.
             process.stdin.write(f"{self._database.backend.url}\n".encode())
             process.stdin.close()
             async for line in process.stdout:
-                told = json.loads(line)
-                self._condition.verified_share = told.get("share", self._condition.verified_share)
-                findings += told.get("findings", [])
-        await process.wait()
+                told = _told(line)
+                self._condition.verified_share = told["share"]
+        # A process that was killed, or could not read the database, has found nothing and says so of nothing:
+        # only the last line, and an end in order, say that every record was read.
+        if await process.wait() != 0 or "records" not in told:
+            raise UnfinishedError(f"the process that reads it ended with status {process.returncode}")
+        findings: list[str] = told["findings"]
         return findings
+
+
+def _told(line: bytes) -> dict[str, Any]:
+    """Return a line of the process; raises UnfinishedError for one that it cannot have written."""
+    with contextlib.suppress(ValueError):
+        told = json.loads(line)
+        if isinstance(told, dict) and "share" in told:
+            return told
+    raise UnfinishedError(f"the process that reads it said {line[:100]!r}")

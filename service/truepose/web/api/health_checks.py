@@ -105,6 +105,8 @@ def _disk(records: Records) -> Check:
 def _chain(records: Records) -> Check:
     if records.damage:
         return Check("chain", "bad", message("health.chain.bad", what=records.damage))
+    if records.unchecked:
+        return Check("chain", "warn", message("health.chain.unchecked", why=records.unchecked))
     if records.integrity == "whole":
         return Check("chain", "ok", message("health.chain.ok", links=records.links))
     return Check("chain", "ok", message("health.chain.checking", percent=100 * records.checked_share))

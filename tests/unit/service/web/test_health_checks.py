@@ -41,6 +41,11 @@ AMISS = {
     "no room": (records(free_bytes=GIB // 20), {"disk": "bad"}, "make room now"),
     "the reserve": (records(reserve_used=True, free_bytes=0), {"disk": "bad"}, "reserve of 16 MB"),
     "damage": (records(damage="Record 3 is gone."), {"chain": "bad"}, "Record 3 is gone. Do not"),
+    "a look that was not finished": (
+        records(integrity="not_checked", unchecked="no memory"),
+        {"chain": "warn"},
+        "could not be looked through (no memory)",
+    ),
     "no copies of a real cell": (state(simulated=False), {"backup": "warn"}, "No copies are made"),
     "no copy yet": (state(copies=Copies(DAY_S)), {"backup": "warn"}, "no copy yet"),
     "an old copy": (state(copies=Copies(DAY_S, 3 * DAY_S)), {"backup": "bad"}, "72 h old"),
