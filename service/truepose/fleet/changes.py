@@ -13,7 +13,7 @@ later month: a beginning is one thing more to choose.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -22,30 +22,22 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import Robot
 from truepose.fleet.campaigns import Fleet
-from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
+from truepose.fleet.candidate_changes import SCOPES, TOGETHER, beyond_chance, trials_of
+from truepose.fleet.causes import AgeingCause, robot_causes
 from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
 from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
 from truepose.fleet.trials import (
     Change,
     InstrumentDays,
-    Kind,
     Scope,
-    Score,
     Trial,
-    excess_of,
     seen_of,
-    shapes,
 )
 from truepose.identification.distributions import chi2_exceeded
 
 LEVEL: Final = 0.01
 _RIVAL: Final = 6.0  # twice the log of odds of twenty to one
-_SCOPES: Final = 4
-_FEWEST_OF_A_TYPE: Final = 2  # robots: what one does is its own
 _SAME_RATIO: Final = 0.05  # of variances
-_PAIR: Final = 2
-_TOGETHER: Final = 2  # changes of instruments are tried alone and in pairs, at half the level each
-_ENOUGH_ROBOTS: Final = 8  # of fewer, one that ages would be its own measure
 _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 
@@ -104,8 +96,8 @@ class AlternativesTried:
         -------
         float
         """
-        together = _TOGETHER if scope == "instrument" else 1
-        return self.level / (together * _SCOPES * max(self.number.get(scope, 0), 1))
+        together = TOGETHER if scope == "instrument" else 1
+        return self.level / (together * SCOPES * max(self.number.get(scope, 0), 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +175,7 @@ class _Sought:
         self.unlike: list[OutlyingCampaign] = []
         self._dropped: set[tuple[str | float, ...]] = set()
         self._kept = np.arange(len(self.fleet.day))
-        self.trials = tuple(_trials(estimated.posterior, causes))
+        self.trials = tuple(trials_of(estimated.posterior, causes))
 
     @property
     def fleet(self) -> Fleet:
@@ -192,8 +184,8 @@ class _Sought:
 
     def take_the_best(self) -> bool:
         """Take what explains most into the model: a change, or a campaign out of it; False: nothing does."""
-        best = self._since_the_first(_beyond_chance(self.trials, self._level))
-        other = most_unlike(self.estimated.posterior, self._level / _SCOPES, self._changing)
+        best = self._since_the_first(beyond_chance(self.trials, self._level))
+        other = most_unlike(self.estimated.posterior, self._level / SCOPES, self._changing)
         # Whatever explains more goes first: a campaign of another robot was named as fourteen changes
         # where changes went first.
         if other is not None and (best is None or other.ratio > best.ratio):
@@ -251,7 +243,7 @@ class _Sought:
         days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
         shape = np.zeros(len(self.fleet.visits))
         shape[self.fleet.visit] = self.found[number].change.shape
-        return self._is_beyond(_TOGETHER * days.of(shape)[1], "instrument")
+        return self._is_beyond(TOGETHER * days.of(shape)[1], "instrument")
 
     def _stands_out(self, trial: Trial) -> bool:
         """Return whether a change is beyond chance even where its campaigns scatter as other causes show."""
@@ -287,7 +279,7 @@ class _Sought:
     def _is_beyond(self, chance: float, scope: Scope) -> bool:
         """Return whether a try has too small a chance to be one over all that is tried."""
         tried = sum(one.change.scope == scope for one in self.trials)
-        return chance * tried * _SCOPES <= self._level
+        return chance * tried * SCOPES <= self._level
 
     def _leave_out(self, others: Sequence[OutlyingCampaign]) -> None:
         self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
@@ -304,7 +296,7 @@ class _Sought:
         # All variances are estimated once more: not for ratios that hardly moved.
         if np.any(np.abs(ratios / self.ratios - 1.0) > _SAME_RATIO):
             self._estimate_at(ratios)
-        self.trials = self._without_dropped(_trials(self.estimated.posterior, self._causes))
+        self.trials = self._without_dropped(trials_of(self.estimated.posterior, self._causes))
 
     def _estimate_at(self, ratios: FloatArray) -> None:
         self.ratios = ratios
@@ -330,75 +322,6 @@ def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
 
 def _of_campaigns(trial: Trial, kept: IntArray) -> Trial:
     return replace(trial, change=replace(trial.change, shape=trial.change.shape[kept]))
-
-
-def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Trial]:
-    fleet = posterior.equations.fleet
-    every = np.ones(len(fleet.day), dtype=bool)
-    robots = [
-        one
-        for number, robot in enumerate(fleet.robots)
-        for one in _scores(posterior, "robot", robot, fleet.robot == number)
-    ]
-    of_type = list(_scores(posterior, "type", "", every))
-    for cause in causes:
-        seen = [score.of(cause.directions) for *_, score in robots]
-        excess = excess_of(seen) if len(fleet.robots) >= _ENOUGH_ROBOTS else 1.0
-        for (change, shape, _), one in zip(robots, seen, strict=True):
-            yield one.trial(Change(*change[:2], cause, *change[2:], shape), excess)
-        for change, shape, score in of_type:
-            one = score.of(cause.directions)
-            yield one.trial(Change(*change[:2], cause, *change[2:], shape), excess)
-    yield from _instrument_trials(posterior)
-
-
-def _scores(
-    posterior: Posterior, scope: Scope, of: str, among: BoolArray
-) -> Iterator[tuple[tuple[Scope, str, Kind, float], FloatArray, Score]]:
-    """Yield scope, whose, kind and first day, shape and score of the ways in which an arm may change."""
-    fleet = posterior.equations.fleet
-    for kind, since, shape in shapes(fleet.day, among):
-        if scope == "type" and len(np.unique(fleet.robot[shape > 0.0])) < _FEWEST_OF_A_TYPE:
-            continue
-        yield (scope, of, kind, since), shape, Score(posterior, shape)
-
-
-def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
-    fleet = posterior.equations.fleet
-    days, cause = InstrumentDays(posterior), instrument_cause(fleet)
-    instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
-    ways = [
-        (shape, Change("instrument", name, cause, kind, since, shape[fleet.visit]))
-        for number, name in enumerate(fleet.instruments)
-        for kind, since, shape in shapes(day, instrument == number)
-    ]
-    each = [days.of(shape) for shape, _ in ways]
-    hidden = _hidden(days, [shape for shape, _ in ways], [ratio for ratio, _ in each])
-    for number, ((_, change), (ratio, chance)) in enumerate(zip(ways, each, strict=True)):
-        yield Trial(change, ratio, _TOGETHER * min(chance, hidden.get(number, 1.0)))
-
-
-def _hidden(days: InstrumentDays, ways: Sequence[FloatArray], ratios: Sequence[float]) -> dict[int, float]:
-    """Return of the clearest change of an instrument the chance of it and another, over all pairs.
-
-    Of the pairs with the clearest one the largest ratio counts, its chance times (ways - 1) / 2: n (n - 1) /
-    2 pairs, counted per way, as the level of single changes is.
-    """
-    if len(ways) < _PAIR:
-        return {}
-    first = int(np.argmax(ratios))
-    pairs = [days.of(ways[first], other) for k, other in enumerate(ways) if k != first]
-    _, chance = max(pairs)
-    return {first: chance * (len(ways) - 1) / _PAIR}
-
-
-def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
-    """Return the change with the largest ratio among those that chance does not explain; None: nothing is."""
-    number = Counter(one.change.scope for one in trials)
-    beyond = [
-        one for one in trials if one.ratio > 0.0 and one.chance * number[one.change.scope] * _SCOPES <= level
-    ]
-    return max(beyond, key=lambda one: one.ratio, default=None)
 
 
 def _named(
@@ -435,7 +358,7 @@ def _rivals(
         if own.scope == "instrument"
         else Posterior(equations, estimated.variances)
     )
-    trials = tuple(_trials(without, causes))
+    trials = tuple(trials_of(without, causes))
     # What it explains without itself in the model: beside itself it would explain nothing.
     best = max(one.ratio for one in trials if one.change.same_as(own))
     close = (one for one in trials if one.ratio >= best - _RIVAL and not one.change.same_as(own))
