@@ -106,10 +106,15 @@ class Account:
 
     fleet: Fleet  # with its information as it counts
     estimated: Estimate  # with the named changes in the model
-    birge_ratio: float  # of variances, of the middle robot; 1: campaigns scatter as their readings say
+    birge_ratios: FloatArray  # (R,) of variances; 1: campaigns of a robot scatter as their readings say
     named: tuple[RealChange, ...]
     tries: AlternativesTried
     unlike: tuple[OutlyingCampaign, ...] = ()  # campaigns that were left out; places as they were given
+
+    @property
+    def birge_ratio(self) -> float:
+        """Ratio of variances of the middle robot: none is divided by less."""
+        return float(self.birge_ratios.min())
 
     @property
     def tried(self) -> int:
@@ -149,7 +154,7 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
     others = resembled(fleet, sought.unlike, estimated.variances)
     tries = _tries(causes, sought.trials, level)
-    return Account(sought.fleet, estimated, float(sought.ratios.min()), named, tries, others)
+    return Account(sought.fleet, estimated, sought.ratios, named, tries, others)
 
 
 def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> AlternativesTried:

@@ -355,7 +355,9 @@ def grown(account: Account, robot: str, told: Information, asked_mm: float) -> t
     belief, causes = of_robot_now(account, robot), asked_of(account)
     widths = account.fleet.widths
     normal, right = _over(told, belief.names, widths)
-    normal, right = normal / account.birge_ratio, right / account.birge_ratio
+    # Its campaigns count by how much they scatter, and a check is one more of them.
+    ratio = account.birge_ratios[account.fleet.robots.index(robot)]
+    normal, right = normal / ratio, right / ratio
     left = right - normal @ (belief.mean / widths)
     known = belief.covariance / np.outer(widths, widths)
     motion = account.fleet.motion_mm2[:-1, :-1]

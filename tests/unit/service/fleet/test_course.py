@@ -20,7 +20,7 @@ def made():
 @pytest.fixture(scope="module")
 def account(made):
     fleet = made.fleet()
-    return Account(fleet, estimate(Equations(fleet)), 1.0, (), AlternativesTried((), (), {}, 0.01))
+    return Account(fleet, estimate(Equations(fleet)), np.ones(6), (), AlternativesTried((), (), {}, 0.01))
 
 
 def _link(account):
