@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause
 from truepose.fleet.mixed_model import Posterior
 from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
@@ -77,6 +78,24 @@ def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
         yield Trial(change, ratio, TOGETHER * min(chance, hidden.get(number, 1.0)))
 
 
+def over_visits(fleet: Fleet, change: Change) -> FloatArray:
+    """Return the shape of a change of an instrument over the visits.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    change : Change
+        With its shape over the campaigns.
+
+    Returns
+    -------
+    ndarray, shape (D,)
+    """
+    shape = np.zeros(len(fleet.visits))
+    shape[fleet.visit] = change.shape
+    return shape
+
+
 def _hidden(days: InstrumentDays, ways: Sequence[FloatArray], ratios: Sequence[float]) -> dict[int, float]:
     """Return of the clearest change of an instrument the chance of it and another, over all pairs.
 
@@ -110,3 +129,25 @@ def beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
         one for one in trials if one.ratio > 0.0 and one.chance * number[one.change.scope] * SCOPES <= level
     ]
     return max(beyond, key=lambda one: one.ratio, default=None)
+
+
+def ratio_beside(without: Posterior, change: Change, excess: float) -> float:
+    """Return twice the log likelihood ratio of a change that is not in the model.
+
+    It need not be among what is tried: a line may have begun with a campaign that was left out since.
+
+    Parameters
+    ----------
+    without : Posterior
+        Of the model without it.
+    change : Change
+    excess : float
+        By which variances of its cause exceed what readings state.
+
+    Returns
+    -------
+    float
+    """
+    if change.scope == "instrument":
+        return InstrumentDays(without).of(over_visits(without.equations.fleet, change))[0]
+    return Score(without, change.shape).of(change.cause.directions).judged(excess)[0]

@@ -22,7 +22,14 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import Robot
 from truepose.fleet.campaigns import Fleet
-from truepose.fleet.candidate_changes import SCOPES, TOGETHER, beyond_chance, trials_of
+from truepose.fleet.candidate_changes import (
+    SCOPES,
+    TOGETHER,
+    beyond_chance,
+    over_visits,
+    ratio_beside,
+    trials_of,
+)
 from truepose.fleet.causes import AgeingCause, robot_causes
 from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
 from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
@@ -246,9 +253,8 @@ class _Sought:
         """Return whether a change of an instrument is beyond chance beside all other changes."""
         others = [one.change.named for k, one in enumerate(self.found) if k != number]
         days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
-        shape = np.zeros(len(self.fleet.visits))
-        shape[self.fleet.visit] = self.found[number].change.shape
-        return self._is_beyond(TOGETHER * days.of(shape)[1], "instrument")
+        _, chance = days.of(over_visits(self.fleet, self.found[number].change))
+        return self._is_beyond(TOGETHER * chance, "instrument")
 
     def _stands_out(self, trial: Trial) -> bool:
         """Return whether a change is beyond chance even where its campaigns scatter as other causes show."""
@@ -289,10 +295,11 @@ class _Sought:
     def _leave_out(self, others: Sequence[OutlyingCampaign]) -> None:
         self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
         kept = np.delete(np.arange(len(self._kept)), [one.place for one in others])
+        self.found = _over_campaigns(self.found, kept, self.fleet.day)
         self._kept = self._kept[kept]
-        self.found = [_of_campaigns(one, kept) for one in self.found]
         self._plain = self._plain.of_campaigns(kept)
         self._estimate()
+        self._drop_the_explained()
 
     def _estimate(self) -> None:
         """Estimate anew, by how much each robot scatters as well: what is named is no scatter."""
@@ -325,8 +332,22 @@ def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
     return chi2_exceeded(float(squares.sum()) / excess, float(len(squares))) if len(squares) else 1.0
 
 
-def _of_campaigns(trial: Trial, kept: IntArray) -> Trial:
-    return replace(trial, change=replace(trial.change, shape=trial.change.shape[kept]))
+def _over_campaigns(found: Sequence[Trial], kept: IntArray, day: FloatArray) -> list[Trial]:
+    """Return changes over the campaigns that are kept, but those that none of them saw.
+
+    `day` is that of all campaigns, (C,).
+    """
+    seen = (one for one in found if one.change.shape[kept].any())
+    each = [replace(one, change=_over(one.change, kept, day[kept])) for one in seen]
+    # Two steps are one where all campaigns between them are left out.
+    return list({one.change.key: one for one in each}.values())
+
+
+def _over(change: Change, kept: IntArray, day: FloatArray) -> Change:
+    shape = change.shape[kept]
+    # A line began when it began, whether or not that campaign counts; a step is seen first where it is seen.
+    since = change.since if change.kind == "linear" else float(day[shape > 0.0].min())
+    return replace(change, since=since, shape=shape / shape.max())
 
 
 def _named(
@@ -365,6 +386,7 @@ def _rivals(
     )
     trials = tuple(trials_of(without, causes))
     # What it explains without itself in the model: beside itself it would explain nothing.
-    best = max(one.ratio for one in trials if one.change.same_as(own))
+    alike = (one.excess for one in trials if one.change.cause.key == own.cause.key)
+    best = ratio_beside(without, own, next(alike, found[number].excess))
     close = (one for one in trials if one.ratio >= best - _RIVAL and not one.change.same_as(own))
     return tuple(sorted(close, key=lambda one: -one.ratio))

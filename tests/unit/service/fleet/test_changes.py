@@ -45,6 +45,20 @@ def test_a_step_is_named_with_its_day():
     assert passing(account.fleet, account.named[0], 1.0) is None
 
 
+def test_a_step_whose_first_campaign_is_left_out_is_named_from_the_next_one_on():
+    otherwise = np.array([1.5, -1.5, 0.0, 0.0])
+
+    def drift(robot, _tracker, month):
+        return (robot == 1) * (4.0 * (month >= 3) * _GAP + (month == 3) * otherwise)
+
+    account, named = _told(drawn(22, readings=40, months=6, drift=drift))
+
+    assert [(one.robot, one.day) for one in account.unlike] == [("robot 1", 90.0)]
+    assert named == [("robot", "robot 1", "geometry", "step")]
+    assert account.named[0].change.since == 120.0
+    assert account.named[0].rivals == ()
+
+
 def test_a_change_that_began_later_is_named_with_its_beginning_and_its_forecast_counts_from_there():
     account, named = _told(
         drawn(26, readings=60, months=6, drift=lambda i, k, month: 0.8 * max(month - 2, 0) * (i == 3) * _GAP)
