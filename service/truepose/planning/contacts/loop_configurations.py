@@ -199,7 +199,8 @@ def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tupl
     """Return places for the nest, and the way in from where the tool comes, shape (n, 3) each.
 
     On the sphere of the zero about a centre, its upper half; else about the place, with normal n: within the
-    travel of a gauge or sensor, in a square of a plane, 40 mm off a face. The way in is -n.
+    travel of a gauge or sensor, in a square of a plane, 40 mm off a face. The way in is n to a gauge, which
+    reads the more the further it is pushed in, and -n to all else.
     """
     first = group[0]
     place = np.broadcast_to(np.array(first.place_mm), (n, 3))
@@ -210,7 +211,7 @@ def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tupl
         outward /= np.linalg.norm(outward, axis=1)[:, None]
         return place + (first.zero_mm or _USUAL_ZERO_MM) * outward, -outward
     normal = mean_normal(group)
-    inward = np.broadcast_to(-normal, (n, 3))
+    inward = np.broadcast_to(normal if first.kind is TargetKind.GAUGE else -normal, (n, 3))
     travel = rng.uniform(-_TRAVEL_MM, _TRAVEL_MM, (n, 3))
     if first.kind in (TargetKind.GAUGE, TargetKind.BALL):
         return place + travel, inward

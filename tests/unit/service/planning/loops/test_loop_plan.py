@@ -92,6 +92,13 @@ def test_gauges_and_sensors_stay_within_their_travel(name, target):
     assert np.abs(where - target.place_mm).max() <= 2.0 + 1e-6
 
 
+def test_a_gauge_is_pushed_the_way_in_which_its_readings_grow():
+    _, chain = places(stands_of("gauges"))
+
+    mean = np.ones(3) / np.sqrt(3.0)
+    assert (chain.end_rotation[:, :, 2] @ mean > np.cos(np.radians(75.0))).all()
+
+
 def test_a_sensor_looks_at_its_face_from_a_distance():
     where, chain = places(stands_of("face"))
 
