@@ -239,8 +239,10 @@ class InterlockedMotion:
         # Where the disk refuses, neither the arrival nor a halt could be kept.
         if self._logbook.trouble is not None:
             return self._logbook.trouble
-        if now.ballbar.foreign is not None:
-            return sentence(now.ballbar.foreign)
+        # By the ledger: a robot that was asked about is no news to whoever asks it again before a motion.
+        foreign = now.ballbar.foreign or now.robot.foreign
+        if foreign is not None:
+            return sentence(foreign)
         if now.attached:
             return message("session.bar.maybe_attached")
         if now.suspicion is not None:

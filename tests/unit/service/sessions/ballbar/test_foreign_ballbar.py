@@ -8,7 +8,7 @@ from tests.unit.service.sessions.ballbar.fakes import Bench
 from tests.unit.service.sessions.ballbar.sessions import KIT, make_plan
 from truepose.domain.ballbar import StepKind
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.session import IdentityTaken, SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.engine.commands import CommandName
@@ -381,3 +381,20 @@ async def test_another_one_shows_nothing_of_where_the_one_before_is():
         await bench.press(CommandName.CONFIRM, reason="the one before is in its box")
 
         assert not bench.now.attached
+
+
+async def test_another_robot_that_is_on_record_does_not_move():
+    async with Bench(make_plan((1, 2))) as bench:
+        await bench.start()
+        while bench.now.step.kind is not StepKind.MOVE:
+            await bench.do()
+        bench.robot.serial = "120-2"
+        found = IdentityTaken("robot", "foreign", "120-2", "120-1")
+        await bench.runner._logbook.append(EntryKind.CONTROL, text="Another robot answers.", identity=found)
+
+        await bench.press(CommandName.CONFIRM)
+        await bench.clock.advance(2.0)
+
+        assert bench.robot.moves == []
+        assert bench.now.state is SessionState.AWAITING_CONFIRMATION
+        assert "120-2" in english(bench.now.question)
