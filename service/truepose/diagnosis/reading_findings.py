@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.diagnosis.baseline_fit import Start
-from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of
+from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of, validation_block
 from truepose.diagnosis.evidence.residual_structure import Remainder
 from truepose.diagnosis.reading_faults import gathered
 from truepose.diagnosis.screening.selection import Selection
@@ -118,11 +118,11 @@ def _chance(selected: Selection, bad: BoolArray) -> float:
 
 
 def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | None:
-    """Gain on validation points over a fit that takes every reading as good."""
-    points = start.campaign.validation
-    if points is None or judged.source != "validation":
-        return None
+    """Gain on validation readings over a fit that takes every reading as good; None without them."""
     full = selected.fit
+    block = validation_block(start.campaign, full.structure)
+    if block is None:
+        return None
     trusting = tuple(
         # A block whose readings state no uncertainty keeps its discrepancy: with neither it could not be
         # weighed.
@@ -130,7 +130,6 @@ def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | 
         for block in full.blocks
     )
     plain = fit(full.structure, trusting, full.values)
-    block = position_block(points, start.campaign.scatter_mm)
     before = block.result(full.structure, plain.values, None).residual
     return gain_of(before, judged.errors.after_mm, judged.site)
 
