@@ -157,14 +157,12 @@ def better_families(
 
 def _score(selected: Selection, group: tuple[Candidate, ...], past: Projection) -> float:
     """Gain in BIC of a whole group over the model without it, its search included."""
-    sums, after = past.sums, selected.pool.normal.past().sums
-    variants = [
-        sum((other.effect, other.subject) == (pick.effect, pick.subject) for other in selected.pool.all)
-        for pick in group
-    ]
+    pool = selected.pool
+    sums, after = past.sums, pool.normal.past().sums
+    tried = pool.tried[[pool.index_of(pick) for pick in group]]
     counted = max(sums.observations / sums.alike, 2.0)
     gain = sums.degrees / sums.alike * np.log(sums.residual_square / after.residual_square)
-    return float(gain - len(names_of(group)) * np.log(counted) - 2.0 * np.log(variants).sum())
+    return float(gain - len(names_of(group)) * np.log(counted) - 2.0 * np.log(tried).sum())
 
 
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.

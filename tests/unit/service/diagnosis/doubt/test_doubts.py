@@ -72,6 +72,17 @@ def test_a_wrong_name_is_beaten_by_the_family_of_its_own_variable(borrowed):
     assert (family.variable, family.joint) == ("angle of joint 4", 3)
 
 
+@pytest.mark.parametrize("seed", [8, 13])
+def test_an_even_drift_does_not_pay_for_the_settling_ones_that_were_searched(seed):
+    """Four time constants were searched, 2 ln 5 = 3.2 in BIC; the plain drift was not (variant 0)."""
+    start = make_start({"base_drift": {"drift_linear_x": 0.07}}, seed=seed)
+    drift = ("base_drift", "base")
+
+    alone, among_others = make_selected(start, [drift]), make_selected(start, [drift], [drift])
+
+    assert better(start, alone) == better(start, among_others) == ()
+
+
 def test_no_family_is_better_where_there_is_none(honest):
     _, selected = honest
 
