@@ -39,6 +39,7 @@ from truepose.diagnosis.evidence.residual_structure import (
     as_random_effect,
     left_by,
     prepared_families,
+    structured,
 )
 from truepose.diagnosis.evidence.sensitivities import description_of
 from truepose.diagnosis.screening.normal_equations import NormalEquations, Products, Projection, products_of
@@ -136,7 +137,8 @@ def better_families(
     Returns
     -------
     tuple of Relation
-        The best one; empty where none is better by 4 in BIC.
+        The best one, with the chance of what it explains in the place of the finding; empty where none is
+        better by 4 in BIC.
     """
     # Both are weighed in the finding's own place: past all others, with the finding taken out.
     past = selected.pool.normal.past(without=names_of(group))
@@ -152,7 +154,9 @@ def better_families(
     if best is None or best[0] < named + _CLEARLY:
         return ()
     _, family, products = best
-    return (Relation(family.variable, LEVEL, family.kind, family.joint, family, products=products),)
+    (alone,) = structured(((family, products),), past)
+    chance = min(1.0, len(families) * alone.p_value)
+    return (Relation(family.variable, chance, family.kind, family.joint, family, products=products),)
 
 
 def _score(selected: Selection, group: tuple[Candidate, ...], past: Projection) -> float:

@@ -23,7 +23,8 @@ from truepose.effects.readings.outliers import NAME as OUTLIERS
 from truepose.effects.registry import CAUSES
 from truepose.effects.signatures import signature_of
 from truepose.identification.distributions import chi2_exceeded
-from truepose.identification.fit.robust import fit
+from truepose.identification.fit.robust import fit as refit
+from truepose.identification.observations.blocks import BlockResult, ObservationBlock
 from truepose.identification.observations.poses import position_block
 from truepose.messages.message import together
 
@@ -61,13 +62,16 @@ def _swaps(start: Start, selected: Selection) -> tuple[Finding, ...]:
         (int(min(one)), int(max(one)))
         for one in zip(written.nest[changed].tolist(), right.nest[changed].tolist(), strict=True)
     }
+    fit = selected.fit
+    block = fit.blocks[0]
+    as_written = replace(block, targets=replace(block.targets, nest=written.nest))
     found = []
     for first, second in sorted(pairs):
         of_pair = np.isin(written.nest, (first, second)) & np.isin(right.nest, (first, second))
         swapped = int((changed & of_pair).sum())
         shown = _shown(LABEL_SWAP, pair_subject(first, second), swapped, int(of_pair.sum()), start)
-        # A nominal p value: another nest fits five times better, which noise does not bring about.
-        found.append(_finding(LABEL_SWAP, shown, 1e-12, _swap_gain(start, selected)))
+        chance = _chance(as_written, as_written.result(fit.structure, fit.values, None), changed & of_pair)
+        found.append(_finding(LABEL_SWAP, shown, chance, _swap_gain(start, selected)))
     return tuple(found)
 
 
@@ -91,9 +95,11 @@ def _bad(start: Start, selected: Selection, left: Remainder, judged: Improvement
     bad = left.tails.bad
     if not bad.any():
         return ()
+    fit = selected.fit
     shown = _shown(OUTLIERS, "readings", int(bad.sum()), len(bad), start)
-    finding = _finding(OUTLIERS, shown, _chance(selected, bad), _bad_gain(start, selected, judged))
-    far = float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) >= _FAR_MM
+    chance = _chance(fit.blocks[0], fit.results[0], bad)
+    finding = _finding(OUTLIERS, shown, chance, _bad_gain(start, selected, judged))
+    far = float(np.linalg.norm(fit.results[0].residual[bad], axis=1).max()) >= _FAR_MM
     if not (far or left.structure):
         return (finding,)
     swapped = tuple(Cause(LABEL_SWAP, subject) for subject in _pairs(start)) if far else ()
@@ -110,11 +116,10 @@ def _pairs(start: Start) -> tuple[str, ...]:
     return tuple(pair_subject(first, second) for first, second in itertools.pairwise(nests))
 
 
-def _chance(selected: Selection, bad: BoolArray) -> float:
-    """Chance, over all readings, that noise alone gives one as far out as the nearest of the bad ones."""
-    block, result = selected.fit.blocks[0], selected.fit.results[0]
-    nearest = float(block.squared(result)[bad].min())
-    return min(1.0, len(bad) * chi2_exceeded(nearest, result.residual.shape[1]))
+def _chance(block: ObservationBlock, result: BlockResult, wrong: BoolArray) -> float:
+    """Chance, over all readings, that noise alone gives one as far out as the nearest of the wrong ones."""
+    nearest = float(block.squared(result)[wrong].min())
+    return min(1.0, len(wrong) * chi2_exceeded(nearest, block.components))
 
 
 def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | None:
@@ -129,7 +134,7 @@ def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | 
         block.weighted(np.ones(len(block.weights)), 0.0 if block.stated_sigma() > 0.0 else block.discrepancy)
         for block in full.blocks
     )
-    plain = fit(full.structure, trusting, full.values)
+    plain = refit(full.structure, trusting, full.values)
     before = block.result(full.structure, plain.values, None).residual
     return gain_of(before, judged.errors.after_mm, judged.site)
 

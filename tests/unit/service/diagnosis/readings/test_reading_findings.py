@@ -3,14 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from tests.helpers.diagnosis.leg_scenes import LEG_START, telling_legs
-from tests.helpers.diagnosis.selections import left_of, make_selected
-from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, planted
+from tests.helpers.identification.synthetic import NESTS, leg_campaign, nominal_campaign
 from truepose.diagnosis.baseline_fit import started
 from truepose.diagnosis.evidence.held_out_errors import on_validation
 from truepose.diagnosis.reading_findings import readings_found
+from truepose.domain.robot import Nest
 
 
 def found_in(campaign, effects):
@@ -19,6 +20,14 @@ def found_in(campaign, effects):
     selected = make_selected(start, ())
     judged = on_validation(start.campaign, (start.fit, selected.fit), selected, ())
     return readings_found(start, selected, left_of(start, selected), judged)
+
+
+def with_swapped(points, rows, first, second):
+    """Points with the labels of two nests exchanged in some rows."""
+    nest = points.nest.copy()
+    here = nest[rows]
+    nest[rows] = np.where(here == first, second, np.where(here == second, first, here))
+    return replace(points, nest=nest)
 
 
 def test_a_bad_length_is_judged_by_lengths_where_positions_were_validated_too():
@@ -37,3 +46,16 @@ def test_a_bad_length_is_judged_by_lengths_where_positions_were_validated_too():
     assert (finding.effect, finding.details[0].value) == ("outliers", 1)
     # Thirty lengths of 5 um: what one of sixty was off by spoils them without a weight of its own.
     assert finding.gain.rms_after_mm < finding.gain.rms_before_mm
+
+
+def test_the_farther_two_nests_lie_apart_the_less_chance_swaps_them():
+    def chance(apart_mm):
+        near = (*NESTS[:2], (NESTS[0][0] + apart_mm, *NESTS[0][1:]))
+        campaign = planted({}, replace(telling_campaign(80), nests=tuple(Nest(one, 0.002) for one in near)))
+        swapped = with_swapped(campaign.calibration, np.arange(6), 1, 3)
+        finding, *_ = found_in(replace(campaign, calibration=swapped), PRESENT)
+        assert (finding.effect, finding.subject) == ("label_swap", "nest 1, nest 3")
+        return finding.p_value
+
+    # 0.018 mm of noise and scatter: eight standard deviations and sixteen, exp(-32) and exp(-128)
+    assert 1e-30 * chance(0.15) > chance(0.3) > 0.0
