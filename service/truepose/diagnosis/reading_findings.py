@@ -15,6 +15,7 @@ from truepose.diagnosis.evidence.residual_structure import Remainder
 from truepose.diagnosis.reading_faults import gathered
 from truepose.diagnosis.screening.selection import Selection
 from truepose.domain.arrays import BoolArray
+from truepose.domain.campaign import sites
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
 from truepose.effects.causes import Candidate, Description, FittedCause
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
@@ -86,7 +87,7 @@ def _swap_gain(start: Start, selected: Selection) -> Gain | None:
     return gain_of(
         before.result(structure, values, None).residual,
         after.result(structure, values, None).residual,
-        right.stops.config,
+        sites(right.stops),
     )
 
 

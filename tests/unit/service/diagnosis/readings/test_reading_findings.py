@@ -7,7 +7,7 @@ import numpy as np
 from tests.helpers.diagnosis.leg_scenes import LEG_START, telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, planted
-from tests.helpers.identification.synthetic import NESTS, leg_campaign, nominal_campaign
+from tests.helpers.identification.synthetic import NESTS, configurations, leg_campaign, nominal_campaign
 from truepose.diagnosis.baseline_fit import started
 from truepose.diagnosis.evidence.held_out_errors import on_validation
 from truepose.diagnosis.reading_findings import readings_found
@@ -59,3 +59,22 @@ def test_the_farther_two_nests_lie_apart_the_less_chance_swaps_them():
 
     # 0.018 mm of noise and scatter: eight standard deviations and sixteen, exp(-32) and exp(-128)
     assert 1e-30 * chance(0.15) > chance(0.3) > 0.0
+
+
+def test_a_revisit_counts_as_its_configuration_in_what_labels_put_right_gain():
+    twice = np.tile(configurations(20, seed=9), (2, 1))
+    unseen = planted({}, telling_campaign(40, joints_rad=twice), seed=11)
+    points = with_swapped(unseen.calibration, np.arange(0, 40, 5), 1, 2)
+    stops, first = points.stops, np.tile(points.stops.config[:20], 2)
+    campaign = planted({}, telling_campaign(80))
+    campaign = replace(campaign, calibration=with_swapped(campaign.calibration, np.arange(4), 1, 2))
+
+    def gained(**told):
+        validation = replace(points, stops=replace(stops, **told))
+        (finding,) = found_in(replace(campaign, validation=validation), PRESENT)
+        return finding.gain
+
+    again = gained(repeat_of=np.where(np.arange(40) < 20, -1, first))
+
+    assert again == gained(config=first)
+    assert again.interval_95_mm != gained().interval_95_mm
