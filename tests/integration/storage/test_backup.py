@@ -158,6 +158,42 @@ def test_what_is_replaced_is_kept_with_all_that_was_in_it(left, copy, database_u
     database.close()
 
 
+def with_a_spoiled_header(content):
+    return b"\xff" * 100 + content[100:]
+
+
+def with_a_spoiled_page(content):
+    return content[:100] + b"\xff" * 3996 + content[4096:]
+
+
+def cut_within_a_page(content):
+    return content[:5000]
+
+
+DAMAGE = [with_a_spoiled_header, with_a_spoiled_page, cut_within_a_page]
+
+
+@pytest.mark.parametrize("damaged", DAMAGE, ids=lambda damaged: damaged.__name__)
+def test_a_damaged_database_is_put_aside_for_its_copy(damaged, left, copy):
+    left.write_bytes(damaged(left.read_bytes()))
+    content = left.read_bytes()
+
+    with pytest.raises(DatabaseUsedError, match="holds records already"):
+        restore(copy, left)
+    _, kept = restore(copy, left, replace=True)
+
+    assert (names(left), kept.read_bytes()) == (["first"], content)
+
+
+def test_a_service_begins_with_what_was_laid_ready_for_a_damaged_database(left, copy):
+    left.write_bytes(with_a_spoiled_header(left.read_bytes()))
+
+    lay_ready(copy, left, replace=True)
+    _, kept = put_ready_in_place(left)
+
+    assert (names(left), kept.exists()) == (["first"], True)
+
+
 async def test_a_database_in_use_is_not_replaced(database, copy):
     await add(database, "first")
     back_up(database.file, copy)

@@ -133,15 +133,12 @@ def _require_whole(verdict: Verdict, copy: Path) -> Head:
 
 
 def _has_records(database: Path) -> bool:
-    """Whether anything was ever kept there; tables of another program count as that.
-
-    Raises the library's DatabaseError for a file that is no database, or whose pages cannot be read.
-    """
+    """Whether anything was ever kept there; tables of another program and damage count as that."""
     # An empty file is what the lock leaves where there was no database.
     if database.stat().st_size == 0:
         return False
     with (
-        contextlib.suppress(LIBRARY.OperationalError),
+        contextlib.suppress(LIBRARY.DatabaseError),
         contextlib.closing(opened_file(database)) as connection,
     ):
         return connection.execute("SELECT max(id) FROM links").fetchone()[0] is not None
