@@ -102,6 +102,11 @@ async def test_a_number_finds_the_records_of_that_number(work):
     assert ("session", 2) in named((await work.page([WorkKind.SESSION], ["2"])).items)
 
 
+@pytest.mark.parametrize("digits", [18, 19, 20, 5000])
+async def test_a_number_that_no_record_has_finds_nothing_however_long(work, digits):
+    assert (await work.page(_EVERY, ("9" * digits,))).items == ()
+
+
 async def test_robots_are_named_once(work):
     (robot,) = await work.robots()
 

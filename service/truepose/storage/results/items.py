@@ -92,7 +92,8 @@ class Source:
         return query.where(or_(*(self._has(text) for text in texts))) if texts else query
 
     def _has(self, text: str) -> ColumnElement[bool]:
-        number = [self.table.c.id == int(text)] if text.isascii() and text.isdecimal() else []
+        is_number = text.isascii() and text.isdecimal() and len(text) < _NUMBER_DIGITS
+        number = [self.table.c.id == int(text)] if is_number else []
         # Whatever somebody pastes into the field is compared with every text of every record.
         short = [one for one in (text,) if len(one) < _LONGEST]
         found = [column.icontains(one, autoescape=True) for one in short for column in self.searched]
@@ -118,6 +119,7 @@ class Source:
 
 
 _LONGEST: Final = 200  # letters of what is searched for
+_NUMBER_DIGITS: Final = 19  # of the largest whole number that a database compares, of 64 bits
 
 
 def item_of(row: Row[Any]) -> WorkItem:
