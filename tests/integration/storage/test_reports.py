@@ -43,6 +43,21 @@ async def test_what_was_made_meanwhile_stays(reports):
     assert (await reports.get(SUBJECT, 1, "en")).page == "<h1>first</h1>"
 
 
+async def test_two_reports_that_state_something_else_never_share_a_number(reports):
+    await reports.keep(FIRST)
+    numbers = [await reports.revision_for(SUBJECT, stated) for stated in ("bb", "cc")]
+    drawn = [
+        replace(FIRST, revision=number, stated_sha256=stated, language=language)
+        for number, stated, language in zip(numbers, ("bb", "cc"), ("en", "de"), strict=True)
+    ]
+
+    kept = [await reports.keep(made) for made in drawn]
+
+    assert kept == [True, False]
+    assert (await reports.get(SUBJECT, 2, "de")).stated_sha256 == "bb"
+    assert await reports.revision_for(SUBJECT, "cc") == 3
+
+
 async def test_a_revision_is_shown_in_the_language_asked_for_or_in_the_one_there_is(reports):
     await reports.keep(FIRST)
     await reports.keep(replace(FIRST, language="fr", page="<h1>premier</h1>"))

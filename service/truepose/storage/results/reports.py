@@ -40,17 +40,11 @@ class ReportRepository:
 
     async def revision_for(self, subject: ReportSubject, stated_sha256: str) -> int:
         """Return the revision that states this: the newest where it does, else the one to follow."""
-        newest = await self.newest(subject)
-        if newest is None:
-            return 1
-        # By what it states and not by its page: another language or another look is no new revision of what
-        # somebody signed.
-        return newest.revision if newest.stated_sha256 == stated_sha256 else newest.revision + 1
+        return await self._database.read(lambda connection: _revision(connection, subject, stated_sha256))
 
     async def newest(self, subject: ReportSubject) -> ReportRecord | None:
         """Return the newest revision, in whichever language it was made last."""
-        query = _of(subject).order_by(reports.c.revision.desc(), reports.c.id.desc()).limit(1)
-        row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
+        row = await self._database.read(lambda connection: _newest(connection, subject))
         return None if row is None else _record(row)
 
     async def get(self, subject: ReportSubject, revision: int, language: str) -> ReportRecord:
@@ -65,9 +59,13 @@ class ReportRepository:
             raise NotFoundError("revision", revision)
         return _record(row)
 
-    async def keep(self, made: ReportRecord) -> None:
-        """Store a report; one that was made meanwhile stays."""
-        await self._database.write(lambda connection: _keep(connection, made))
+    async def keep(self, made: ReportRecord) -> bool:
+        """Store a report; one that was made meanwhile stays.
+
+        Returns False, and keeps nothing, where its number is by now that of a report which states something
+        else: the number stands on its page, so that it has to be drawn again.
+        """
+        return await self._database.write(lambda connection: _keep(connection, made))
 
     async def revisions(self, subject: ReportSubject) -> list[tuple[int, str]]:
         """Return each revision with when it was first made, oldest first."""
@@ -77,10 +75,28 @@ class ReportRepository:
         return [(revision, recorded_at) for revision, recorded_at in rows]
 
 
-def _keep(connection: Connection, made: ReportRecord) -> None:
+def _newest(connection: Connection, subject: ReportSubject) -> Row[Any] | None:
+    query = _of(subject).order_by(reports.c.revision.desc(), reports.c.id.desc()).limit(1)
+    return connection.execute(query).one_or_none()
+
+
+def _revision(connection: Connection, subject: ReportSubject, stated_sha256: str) -> int:
+    newest = _newest(connection, subject)
+    if newest is None:
+        return 1
+    # By what it states and not by its page: another language or another look is no new revision of what
+    # somebody signed.
+    same: bool = newest.stated_sha256 == stated_sha256
+    return int(newest.revision) + (not same)
+
+
+def _keep(connection: Connection, made: ReportRecord) -> bool:
+    # Once more within the transaction: drawing takes seconds, and somebody else may have been quicker.
+    if _revision(connection, made.subject, made.stated_sha256) != made.revision:
+        return False
     same = _of(made.subject).where(reports.c.revision == made.revision, reports.c.language == made.language)
     if connection.execute(same).one_or_none() is not None:
-        return
+        return True
     add_row(
         connection,
         reports,
@@ -92,6 +108,7 @@ def _keep(connection: Connection, made: ReportRecord) -> None:
         # A page holds its figures as text, which shrinks to a fraction; it is kept for good.
         page=zlib.compress(made.page.encode()),
     )
+    return True
 
 
 def _is(subject: ReportSubject) -> tuple[Any, ...]:

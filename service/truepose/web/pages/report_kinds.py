@@ -74,13 +74,14 @@ async def report_of(
     """Return the report of a result as it is now, made anew where it would state something else."""
     subject, drawable = ReportSubject(kind.name, number), await kind.drawable(here, number, choice, words)
     stated = await _stated(drawable)
-    revision = await here.reports.revision_for(subject, stated)
-    made = await _made(here, subject, revision, words)
-    if made is not None:
-        return made
-    page = await _drawn(here, drawable, _numbered(kind, number, revision, words), words)
-    await here.reports.keep(ReportRecord("", subject, revision, words.tag, stated, page))
-    return await here.reports.get(subject, revision, words.tag)
+    while True:
+        revision = await here.reports.revision_for(subject, stated)
+        made = await _made(here, subject, revision, words)
+        if made is not None:
+            return made
+        page = await _drawn(here, drawable, _numbered(kind, number, revision, words), words)
+        if await here.reports.keep(ReportRecord("", subject, revision, words.tag, stated, page)):
+            return await here.reports.get(subject, revision, words.tag)
 
 
 async def drawn_as_report(
