@@ -5,7 +5,7 @@ Conventions of every module that uses these functions, angles in rad, right-hand
     RotX(a) RotY(b) RotZ(c)         about axes that the turns before have moved (FramePlacement, body motions)
     q = (w, x, y, z)                quaternions with the real part first, |q| = 1
     R = exp([v]x) = 1 + sin|v|/|v| [v]x + (1 - cos|v|)/|v|^2 [v]x [v]x         (Rodrigues)
-    v = log R = angle * axis,       |v| < pi
+    v = log R = angle * axis,       |v| <= pi
 
 with [v]x the matrix of the cross product. Arrays of n vectors are of shape (n, 3), of n rotations (n, 3, 3).
 
@@ -254,10 +254,11 @@ def rotation_from_vector(vector_rad: FloatArray) -> FloatArray:
 
 
 def vector_from_rotation(rotation: FloatArray) -> FloatArray:
-    """Return rotation vectors of rotations of less than half a turn.
+    """Return rotation vectors of rotations.
 
     With s the vector of the antisymmetric part of R, |s| = 2 sin(angle), and angle = atan2(|s|, tr R - 1):
-    v = s angle / (2 sin(angle)).
+    v = s angle / (2 sin(angle)). Beyond a quarter of a turn the axis a is that of the symmetric part,
+    (R + R^T) / 2 - cos(angle) 1 = (1 - cos(angle)) a a^T, with the sense of s.
 
     Parameters
     ----------
@@ -266,7 +267,7 @@ def vector_from_rotation(rotation: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., 3)
-        [rad]. Within 1e-9 of half a turn the axis is not seen: the result is nothing there, as for no turn.
+        [rad], of length 0..pi; of half a turn either of the two vectors.
     """
     skew = np.stack(
         [
@@ -279,10 +280,25 @@ def vector_from_rotation(rotation: FloatArray) -> FloatArray:
     sine = 0.5 * np.linalg.norm(skew, axis=-1)
     cosine = 0.5 * (np.trace(rotation, axis1=-2, axis2=-1) - 1.0)
     # By both: an arc cosine alone loses half of the digits of small turns, of which residuals consist.
-    angle = np.arctan2(sine, cosine)
+    angle = np.asarray(np.arctan2(sine, cosine))
     ratio = np.divide(angle, 2 * sine, out=np.full_like(angle, 0.5), where=sine > 1e-9)
     vector: FloatArray = skew * ratio[..., None]
+    far = np.asarray(cosine < 0.0)
+    if far.any():
+        # Towards half a turn s vanishes, and with it the axis: a search would take the turn for none.
+        vector[far] = angle[far][:, None] * _axes_of_far_turns(rotation[far], skew[far])
     return vector
+
+
+def _axes_of_far_turns(rotation: FloatArray, skew: FloatArray) -> FloatArray:
+    """Return the axes (n, 3) of n turns of more than a quarter, whose antisymmetric parts are given."""
+    cosine = 0.5 * (np.trace(rotation, axis1=1, axis2=2) - 1.0)
+    squares = 0.5 * (rotation + np.swapaxes(rotation, 1, 2)) - cosine[:, None, None] * np.eye(3)
+    # The column of the largest component: its length is that of the axis, of others it may be rounding alone.
+    largest = np.argmax(np.diagonal(squares, axis1=1, axis2=2), axis=1)
+    axis = squares[np.arange(len(squares)), largest]
+    axis *= np.where((axis * skew).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
+    return np.asarray(axis / np.linalg.norm(axis, axis=1, keepdims=True))
 
 
 def cross_matrix(vector: FloatArray) -> FloatArray:

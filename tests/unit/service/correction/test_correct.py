@@ -23,8 +23,8 @@ from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import predict
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.frames import vector_from_rotation
 from truepose.kinematics.inverse import branch_of
+from truepose.kinematics.poses import turn_between
 
 UM, URAD = 1e-3, 1e-6
 LIMITED = replace(IRB_120, joint_limits=tuple(JointRange(-3.2, 3.2) for _ in range(6)))
@@ -53,7 +53,7 @@ def plain_goals(model, n=40, seed=0, start_rad=None):
 def assert_there(model, goals, found):
     position, rotation = reached(model, goals.at(found.joints_rad), goals.nest)
     assert np.abs(position - goals.position_mm).max() < UM
-    assert np.abs(vector_from_rotation(rotation @ np.swapaxes(goals.rotation, 1, 2))).max() < URAD
+    assert turn_between(rotation, goals.rotation).max() < URAD
 
 
 def test_a_robot_without_errors_is_sent_where_its_controller_would_go():
@@ -137,6 +137,17 @@ def test_the_answer_stays_near_the_joints_that_are_told_whole_turns_included():
 
     assert found.solved.all()
     assert np.abs(found.joints_rad - told).max() < 0.1
+
+
+def test_a_tool_that_is_half_a_turn_off_is_not_there():
+    nothing = model_of(IRB_120, base=model_of().nominal_base, effects=())
+    told = configurations(10, 8)
+    goals = plain_goals(nothing, 10, seed=8, start_rad=told + np.pi * np.eye(6)[5])
+
+    found = correct(nothing, goals)
+
+    assert found.solved.all()
+    assert_there(nothing, goals, found)
 
 
 def test_an_arm_of_seven_axes_is_corrected_from_the_joints_that_are_told():

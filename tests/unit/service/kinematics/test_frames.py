@@ -43,9 +43,19 @@ def test_rotation_vectors_agree_with_an_independent_library(vector):
     rotation = rotation_from_vector(vector)
 
     assert rotation == pytest.approx(Rotation.from_rotvec(vector).as_matrix(), abs=1e-12)
-    assert vector_from_rotation(rotation) == pytest.approx(
-        vector, abs=1e-7
-    )  # near half a turn the sine is small
+    assert vector_from_rotation(rotation) == pytest.approx(vector, abs=1e-12)
+
+
+@pytest.mark.parametrize("off_rad", [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-3])
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (-0.6, 0.0, 0.8), (0.36, -0.8, -0.48)])
+def test_at_and_near_half_a_turn_a_rotation_vector_still_has_its_axis_and_angle(off_rad, axis):
+    vector = (np.pi - off_rad) * np.array(axis)
+
+    found = vector_from_rotation(rotation_from_vector(vector))
+
+    # nearer to half a turn than rounding, v and -v are the same rotation
+    same = found if off_rad > 1e-14 or found @ vector > 0.0 else -found
+    assert same == pytest.approx(vector, abs=1e-14)
 
 
 def test_quaternions_have_w_first():
