@@ -83,17 +83,16 @@ def load_installed(entries: Iterable[EntryPoint]) -> Installed:
                     effects[entry.name] = _GuardedEffect(effect)
         except ConfigurationError as error:
             broken[entry.name] = str(error)
+        # Whatever foreign code does while it is imported, and what it brings while that is looked at.
+        # SystemExit too: a package that ends the program would end every command.
+        except (Exception, SystemExit) as error:
+            broken[entry.name] = f"loading {entry.value} failed with {type(error).__name__}: {error}"
     return Installed(effects, causes, kinds, broken)
 
 
 def _loaded(entry: EntryPoint) -> Kind | Effect:
-    """Return what an entry names; raises ConfigurationError where it cannot be loaded or is nothing known."""
-    try:
-        found: Kind | Effect = entry.load()
-    # SystemExit too: a package that ends the program while it is imported would end every command.
-    except (Exception, SystemExit) as error:  # whatever foreign code does while it is imported
-        told = f"loading {entry.value} failed with {type(error).__name__}: {error}"
-        raise ConfigurationError(told) from error
+    """Return what an entry names; raises ConfigurationError where it is nothing known."""
+    found: Kind | Effect = entry.load()
     if isinstance(found, Kind):
         return _checked_kind(found, entry.name)
     _check_effect(found, entry.name, _OF_EFFECTS + (_OF_CAUSES if _is_cause(found) else ()))
@@ -112,7 +111,7 @@ def _checked_kind(kind: Kind, name: str) -> Kind:
     return kind
 
 
-def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
+def _check_effect(effect: Effect, name: str, methods: tuple[str, ...]) -> None:
     """Refuse what lacks a method, has another name, or needs what no row tells: ConfigurationError."""
     lacking = [one for one in methods if not callable(getattr(effect, one, None))]
     if lacking:
@@ -122,7 +121,7 @@ def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
         )
     # A model names its effects; under another name than the registered one it would not find this one again.
     _check_name(getattr(effect, "name", None), name)
-    unknown = set(getattr(effect, "needs", ())) - set(get_args(Need))
+    unknown = set(effect.needs) - set(get_args(Need))
     if unknown:
         raise ConfigurationError(f"it needs {', '.join(sorted(unknown))}, which no row tells")
 

@@ -99,6 +99,27 @@ class Needy(Acme):
     needs = frozenset({"humidity"})
 
 
+class Needless(Acme):
+    needs = None
+
+
+class Unfinished:
+    """An effect that does not say what it needs."""
+
+    name = "acme"
+    specs = terms = Acme.specs
+
+
+class Mistraited(Acme):
+    traits = 3
+
+
+class Shy(Acme):
+    @property
+    def signature(self):
+        raise RuntimeError("no licence")
+
+
 def telling_problem():
     """The setting and the rows of a campaign that tells everything."""
     problem = build(telling_campaign(), ("base", "geometry"))
@@ -218,6 +239,11 @@ def test_what_is_brought_does_what_it_does_at_home(brought):
         (JointGain(), "it calls itself 'joint_gain' but is registered as 'acme'"),
         (Needy(), "it needs humidity, which no row tells"),
         (replace(OWN["jump"], name="leap"), "it calls itself 'leap'"),
+        (Needless(), "loading acme_module:acme failed with TypeError"),
+        (Unfinished(), "loading acme_module:acme failed with AttributeError"),
+        (Mistraited(), "loading acme_module:acme failed with TypeError"),
+        (Shy(), "loading acme_module:acme failed with RuntimeError: no licence"),
+        (replace(OWN["jump"], name="acme", parts=None), "loading acme_module:acme failed with TypeError"),
     ],
 )
 def test_what_is_none_of_these_is_left_out_with_its_reason(thing, why, brought):
