@@ -64,16 +64,21 @@ def load_installed(entries: Iterable[EntryPoint]) -> Installed:
     Parameters
     ----------
     entries : iterable of EntryPoint
-        Of two of one name the first counts.
+        Of two of one name neither counts.
     """
     effects: dict[str, Effect] = {}
     causes: dict[str, Cause] = {}
     kinds: dict[str, Kind] = {}
     broken: dict[str, str] = {}
     for entry in entries:
+        # Neither is taken: which of two comes first depends on the order of the search path, and a model that
+        # one of them extended would be predicted by the other.
+        if any(entry.name in known for known in (effects, kinds, broken)):
+            for known in (effects, causes, kinds):
+                known.pop(entry.name, None)
+            broken[entry.name] = "two installed packages bring one of that name: remove one"
+            continue
         try:
-            if any(entry.name in known for known in (effects, kinds, broken)):
-                raise ConfigurationError("another installed package brings one of that name: remove one")
             match _loaded(entry):
                 case Kind() as kind:
                     kinds[entry.name] = _guarded_kind(kind)

@@ -267,12 +267,14 @@ def test_one_that_cannot_be_loaded_does_not_take_the_others_down(brought):
     assert found.broken["gone"].startswith("loading no_such_module:X failed with ModuleNotFoundError")
 
 
-def test_of_two_of_one_name_the_second_is_refused(brought):
-    brought(acme=Acme())
+@pytest.mark.parametrize("thing", [Acme(), Plain(), replace(OWN["jump"], name="acme"), object()])
+def test_of_two_of_one_name_neither_is_taken(thing, brought):
+    brought(acme=thing)
 
     found = load_installed([EntryPoint("acme", "acme_module:acme", GROUP)] * 2)
 
-    assert "another installed package brings one of that name" in found.broken["acme"]
+    assert "two installed packages bring one of that name" in found.broken["acme"]
+    assert not found.effects and not found.causes and not found.kinds
 
 
 def test_a_failure_at_work_becomes_a_sentence_with_its_name(brought):
