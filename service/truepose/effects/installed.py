@@ -14,6 +14,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
+from truepose.domain.diagnosis import Shape
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
 from truepose.domain.identification import NotIdentifiable
 from truepose.effects.causes import Candidate, Cause, Description, FittedCause, Scene, Signature
@@ -27,7 +28,7 @@ from truepose.effects.ports import (
     Term,
     Trait,
 )
-from truepose.effects.unclassified.kinds import Kind
+from truepose.effects.unclassified.kinds import Kind, Variants
 from truepose.messages.message import Text
 
 GROUP = "truepose.causes"
@@ -113,6 +114,8 @@ def _checked_kind(kind: Kind, name: str) -> Kind:
     _check_name(kind.name, name)
     if any("_" in one for one in (kind.name, *(part.name for part in kind.parts))):
         raise ConfigurationError("names of a kind and of its parts have no underscore: it parts the two")
+    if kind.shape not in get_args(Shape):
+        raise ConfigurationError(f"its shape {kind.shape!r} is none of {', '.join(get_args(Shape))}")
     return kind
 
 
@@ -233,14 +236,32 @@ def _guarded_kind(kind: Kind) -> Kind:
     """Return a kind whose functions name it where they fail; what they yield is taken at once."""
     return replace(
         kind,
-        where=lambda place: _asked(kind.name, kind.where, place),
-        over=lambda place: _asked(kind.name, kind.over, place),
+        where=lambda place: _asked(kind.name, lambda: _words(kind.where(place))),
+        over=lambda place: _asked(kind.name, lambda: _words(kind.over(place))),
         places=lambda scene: _asked(kind.name, lambda: tuple(kind.places(scene))),
-        variants=lambda scene: _asked(kind.name, lambda: tuple(kind.variants(scene))),
+        variants=lambda scene: _asked(kind.name, lambda: _labelled(kind, kind.variants(scene))),
         moves=lambda key, rows: _asked(kind.name, lambda: list(kind.moves(key, rows))),
         sentence=lambda key, size, scene: _asked(kind.name, kind.sentence, key, size, scene),
         variant_known_to=lambda variant, scene: _asked(kind.name, kind.variant_known_to, variant, scene),
     )
+
+
+def _words(words: str) -> str:
+    """Return words of a place or a variable; raises ValueError where no subject of them comes apart again."""
+    if ", " in words:
+        raise ValueError(f"{words!r} has a comma with a blank, which parts place, variable and shape")
+    return words
+
+
+def _labelled(kind: Kind, variants: Variants) -> Variants:
+    """Return variants; raises ValueError where a label does not lead back from the name of a parameter."""
+    taken = tuple(variants)
+    for label, _ in taken:
+        if "_" in label:
+            raise ValueError(f"the variant {label!r} has an underscore, which parts the names of parameters")
+        if kind.variant_is is not None:
+            float(label)  # findings tell it as a number
+    return taken
 
 
 INSTALLED = load_installed(entry_points(group=GROUP))

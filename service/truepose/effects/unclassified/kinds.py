@@ -112,7 +112,7 @@ class Kind:
     sentence : callable
         What a finding says, from its largest variant and its size.
     variant_is : tuple of str, or None
-        Name and unit of the variant among the details.
+        Name and unit of the variant among the details; its labels are numbers then.
     variant_known_to : callable
         Standard uncertainty of the variant.
     limits : Limits or None

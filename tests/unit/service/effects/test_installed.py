@@ -28,6 +28,7 @@ from truepose.effects.ports import (
 )
 from truepose.effects.registry import EFFECTS, goes_on
 from truepose.effects.unclassified.cause import OWN
+from truepose.effects.unclassified.kinds import once
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 
@@ -243,6 +244,7 @@ def test_what_is_brought_does_what_it_does_at_home(brought):
         (Unfinished(), "loading acme_module:acme failed with AttributeError"),
         (Mistraited(), "loading acme_module:acme failed with TypeError"),
         (Shy(), "loading acme_module:acme failed with RuntimeError: no licence"),
+        (replace(OWN["jump"], name="acme", shape="hump"), "its shape 'hump' is none of"),
         (replace(OWN["jump"], name="acme", parts=None), "loading acme_module:acme failed with TypeError"),
     ],
 )
@@ -301,3 +303,32 @@ def test_a_kind_that_fails_while_it_is_gone_through_is_named_too(field, brought)
 
     with pytest.raises(InstalledCauseError, match="'jump' failed with KeyError"):
         getattr(kind, field)(telling_scene())
+
+
+@pytest.mark.parametrize("field", ["where", "over"])
+def test_words_that_a_subject_could_not_be_taken_apart_at_are_refused(field, brought):
+    kind = brought(jump=replace(OWN["jump"], **{field: once("hall 3, east")})).kinds["jump"]
+
+    with pytest.raises(
+        InstalledCauseError, match="'jump' failed with ValueError: 'hall 3, east' has a comma"
+    ):
+        kind.subject((3,))
+
+
+def test_a_variant_that_would_not_lead_back_from_a_name_is_refused(brought):
+    kind = brought(jump=replace(OWN["jump"], variants=lambda _scene: [("by_day", 0.0)])).kinds["jump"]
+
+    with pytest.raises(
+        InstalledCauseError, match="'jump' failed with ValueError: the variant 'by_day' has an"
+    ):
+        kind.variants(telling_scene())
+
+
+def test_a_variant_is_a_word_only_where_no_finding_tells_it_as_a_number(brought):
+    worded = replace(OWN["jump"], variants=lambda _scene: [("noon", 0.0)])
+    told, kept = (brought(jump=kind).kinds["jump"] for kind in (worded, replace(worded, variant_is=None)))
+
+    assert OWN["jump"].variant_is is not None
+    assert kept.variants(telling_scene()) == (("noon", 0.0),)
+    with pytest.raises(InstalledCauseError, match="could not convert string to float: 'noon'"):
+        told.variants(telling_scene())
