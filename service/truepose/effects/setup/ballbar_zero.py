@@ -4,7 +4,8 @@
 
 after initialisation m, until the next one. `zero_<initialisation>` is a constant;
 `zerorate_<initialisation>_<time>` grows from nothing at that time t_m [s], that of the first reading after
-the initialisation (magnetic snaps, handling).
+the initialisation (magnetic snaps, handling). Initialisations are numbered anew in each session: of a made
+model, neither is there before its first reading or after its last one.
 
 Source of its size: thesis of A. Nubiola, 2014, sections 3.2 and 3.5 (up to 3 um between initialisations).
 """
@@ -22,6 +23,7 @@ NAME = "ballbar_zero"
 _CONSTANT, _GROWING = "zero", "zerorate"
 _WIDTH_MM = 0.03  # ten times the walk of a good ballbar
 _WIDTH_MM_PER_H = 0.5  # the same in the few minutes between two initialisations
+_ROUNDING_S = 1e-3  # of stored times
 
 
 class BallbarZero:
@@ -117,9 +119,16 @@ def _weight(name: str, rows: Rows) -> FloatArray:
 
 
 def _after(number: int, rows: Rows) -> BoolArray:
+    """Say which rows were read after an initialisation, shape (n,); of a made model, of its own sessions."""
     if rows.initialisation is None:
         return np.zeros(len(rows.stops), dtype=bool)
-    return np.asarray(rows.initialisation == number)
+    here = np.asarray(rows.initialisation == number)
+    time_s = rows.stops.time_s
+    if time_s is None or rows.last_s is None:
+        return here
+    # Of a row without a time its number is all that is known.
+    elsewhere = (time_s < rows.origin_s - _ROUNDING_S) | (time_s > rows.last_s + _ROUNDING_S)
+    return here & ~elsewhere
 
 
 def _at_the_end(fitted: FittedCause, scene: Scene) -> tuple[FloatArray, FloatArray]:

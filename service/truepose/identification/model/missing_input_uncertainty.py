@@ -26,6 +26,7 @@ from truepose.effects.ports import Need, Trait
 from truepose.effects.registry import effects_with, needs_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
+from truepose.identification.model.validity import hours_beyond
 from truepose.messages.message import Message, message
 
 _LACKED: dict[Need, str] = {
@@ -37,6 +38,7 @@ _LACKED: dict[Need, str] = {
     "initialisation": "cautions.initialisation",
 }
 _ANY_RANGE_RAD = np.pi  # of joints whose ranges are not stated
+_ROUNDING_H = 1e-3 / SECONDS_PER_HOUR  # of stored times
 _STEPS = 8  # temperatures that stand for the whole of their range
 
 
@@ -199,7 +201,9 @@ def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) ->
         case "attachment" if stops.attachment is not None:
             return _unknown(stops.attachment, names)
         case "initialisation" if targets.initialisation is not None:
-            return _unknown(targets.initialisation, names)
+            # Numbers begin at 1 in each session: beyond the readings they are those of another one.
+            another = hours_beyond(structure, stops) > _ROUNDING_H
+            return _unknown(targets.initialisation, names) | another
     # The whole column is missing.
     return np.ones(len(targets), dtype=bool)
 

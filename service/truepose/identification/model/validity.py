@@ -152,7 +152,7 @@ def held(structure: Structure, targets: Targets) -> tuple[Message, ...]:
     targets : Targets
     """
     # NaN, of rows without a time, is not above 0: `left_out` tells of these.
-    hours = _hours_beyond(structure, targets.stops)
+    hours = hours_beyond(structure, targets.stops)
     rows = int((hours > 0.0).sum())
     if rows == 0:
         return ()
@@ -185,7 +185,7 @@ def held_variance(
     """
     variance, lasted_h = np.zeros(len(targets)), _lasted_h(structure)
     # Nobody says when such a row is; decision 0028 takes it for a campaign's length after the last one.
-    hours = np.nan_to_num(_hours_beyond(structure, targets.stops), nan=lasted_h)
+    hours = np.nan_to_num(hours_beyond(structure, targets.stops), nan=lasted_h)
     rows = np.flatnonzero(hours > 0.0)
     if rows.size and _going_on(structure):
         square = _mean_square_per_h(structure, values, covariance, targets.taken(rows))
@@ -212,8 +212,21 @@ def _going_on(structure: Structure) -> tuple[str, ...]:
     return tuple(effect for effect in structure.effects if goes_on(effect, structure.names_of(effect)))
 
 
-def _hours_beyond(structure: Structure, stops: Stops) -> FloatArray:
-    """Time from the nearest reading [h], 0 between them, NaN where it is unknown, shape (n,)."""
+def hours_beyond(structure: Structure, stops: Stops) -> FloatArray:
+    """Return the time from the nearest reading of a model, 0 between them, NaN where it is unknown.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of a made model, whose `last_s` is known.
+    stops : Stops
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [h]
+    """
     if stops.time_s is None or structure.last_s is None:
         return np.full(len(stops), np.nan)
     # Within the campaign both are negative.

@@ -79,6 +79,19 @@ def test_lengths_of_unknown_initialisation_or_time_have_no_zero():
     assert not growing.weight.any()
 
 
+@pytest.mark.parametrize("away_s", [86_400.0, -86_400.0])
+def test_of_a_made_model_an_initialisation_of_another_day_is_another_one(away_s):
+    names = ("zero_2", "zerorate_2_240.000")
+    of_model = rows()._replace(origin_s=0.0, last_s=CADENCE_S * (N - 1))
+    stops = replace(of_model.stops, time_s=of_model.stops.time_s + away_s)
+
+    there = CAUSES["ballbar_zero"].terms(names, of_model)
+    elsewhere = CAUSES["ballbar_zero"].terms(names, of_model._replace(stops=stops))
+
+    assert all(term.weight.any() for term in there)
+    assert not any(term.weight.any() for term in elsewhere)
+
+
 def test_a_zero_is_shown_as_its_root_mean_square():
     constant, growing = CAUSES["ballbar_zero"].candidates(leg_scene())
     values = 0.006 * (-1.0) ** np.arange(10)

@@ -213,4 +213,7 @@ def test_positions_know_nothing_of_a_ballbar_but_lengths_do():
     assert "ballbar_zero needs an init that the model was made with, which 60 of 60 rows lack" in sentence
     assert unpredictable(model, unseen.stops) == ()
     assert unpredictable_readings(model, campaign.legs) == ()
+    next_day = replace(campaign.legs.stops, time_s=campaign.legs.stops.time_s + 86_400.0)
+    (of_another,) = map(english, unpredictable_readings(model, replace(campaign.legs, stops=next_day)))
+    assert "which 60 of 60 rows lack" in of_another
     assert np.isfinite(judge(model, unseen, 0.0).identified_mm).all()
