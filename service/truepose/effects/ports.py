@@ -134,6 +134,8 @@ class Setting(NamedTuple):
         Whether lengths were read instead of positions.
     tool_rotation_u_rad : float or None
         Certified: measured orientations are of the last frame to this, per axis.
+    gravity_m_s2 : tuple of float, length 3
+        In the frame of the robot's base.
     """
 
     robot: Robot
@@ -146,6 +148,7 @@ class Setting(NamedTuple):
     initialisations: tuple[int, ...] = ()  # numbers of the ballbar's
     lengths: bool = False  # lengths were read instead of positions
     tool_rotation_u_rad: float | None = None  # certified: measured orientations are of the last frame to this
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # in the robot's base
 
 
 class Rows(NamedTuple):

@@ -30,6 +30,7 @@ from truepose.effects.causes import (
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.kinematics.chain import Chain
+from truepose.kinematics.frames import rotation_x, rotation_y
 from truepose.kinematics.gravity import moment_regressor
 from truepose.messages.message import Text, message
 
@@ -38,6 +39,7 @@ _LARGEST_DEFLECTION_RAD = 0.01  # belief where the maker gives no compliance: no
 _LARGEST_COMPLIANCE = 2e-6  # rad/(N mm): three times the softest gearbox of the thesis
 VISIBLE_RAD = 1e-5  # a joint that never deflects by this much has no spring that could be seen
 _GRAVITY_M_S2 = 9.81
+_UPRIGHT = float(np.sin(np.deg2rad(2.0)))  # no floor or ceiling on which an arm is levelled leans as much
 _FIRST_WRIST_FRAME = 3  # 0-based; beyond it links are light
 _MOMENT_DEFLECTION_RAD = 5e-3
 _ONLY_PRODUCTS = message("open.only_products")
@@ -64,7 +66,7 @@ class Compliance:
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the springs, or their products with the mass moments where the masses are unknown."""
         if setting.torque_source == "unknown":
-            return tuple(_product_specs(setting.robot.n_joints))
+            return tuple(_product_specs(setting))
         means, widths = compliance_prior(setting)
         # What the spring could do at most and not the torque itself: stiff gears of heavy arms count like
         # soft ones.
@@ -79,15 +81,17 @@ class Compliance:
 
         Parameters as of `LeavesOpen.left_open`.
         """
-        joints = range(setting.robot.n_joints)
         if setting.torque_source == "unknown":
-            return [NotIdentifiable(tuple(joint_name("c", joint) for joint in joints[1:]), _ONLY_PRODUCTS)]
+            return [
+                NotIdentifiable(tuple(joint_name("c", j) for j in _loaded_joints(setting)), _ONLY_PRODUCTS)
+            ]
+        joints = range(setting.robot.n_joints)
         _, widths = compliance_prior(setting)
         largest_rad = setting.largest_torque_n_mm * widths
         # A joint whose spring is no parameter is not said to be stiff: how far it would turn at most is told
         # with it.
         idle = (joint for joint in joints if joint_name("c", joint) not in names)
-        return [_idle_spring(joint, float(largest_rad[joint])) for joint in idle]
+        return [_idle_spring(joint, float(largest_rad[joint]), setting) for joint in idle]
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Turn each joint by its spring times its torque: weight tau [N mm], of products [N mm/(kg mm)]."""
@@ -167,15 +171,26 @@ def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:
     return np.zeros(len(torque)), np.minimum(_LARGEST_DEFLECTION_RAD / torque, _LARGEST_COMPLIANCE)
 
 
-def _product_specs(n_joints: int) -> list[ParameterSpec]:
-    """Propose the products of each joint but the first with the moments of all frames that it carries.
+def _loaded_joints(setting: Setting) -> range:
+    """Return the 0-based joints about which gravity has a moment somewhere: all but an upright first one."""
+    return range(1 if _is_upright(setting) else 0, setting.robot.n_joints)
+
+
+def _is_upright(setting: Setting) -> bool:
+    """Say whether axis 1, which alone never moves, is along gravity."""
+    row, gravity = setting.robot.joints[0], np.array(setting.gravity_m_s2)
+    axis_1 = (rotation_x(row.alpha_rad) @ rotation_y(row.beta_rad))[:, 2]
+    return bool(np.linalg.norm(np.cross(axis_1, gravity)) <= _UPRIGHT * np.linalg.norm(gravity))
+
+
+def _product_specs(setting: Setting) -> list[ParameterSpec]:
+    """Propose the products of each joint that gravity may load with the moments of all frames it carries.
 
     Widths: a deflection of 5 mrad under gravity, a tenth of that for the light frames of the wrist.
     """
     specs = []
-    # Joint 1 is left out: where the arm stands upright, gravity has no moment about it.
-    for joint in range(1, n_joints):
-        for frame in range(joint, n_joints):
+    for joint in _loaded_joints(setting):
+        for frame in range(joint, setting.robot.n_joints):
             # Widths hold what few readings do not see, and the moments of the wrist's light links are small.
             light = 0.1 if frame >= _FIRST_WRIST_FRAME else 1.0
             width = light * _MOMENT_DEFLECTION_RAD / _GRAVITY_M_S2
@@ -255,7 +270,7 @@ def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:
     return moment_regressor(chain, joint_of(spring), joint_of(moment), "xy".index(moment[1]), gravity_m_s2)
 
 
-def _idle_spring(joint: int, largest_rad: float) -> NotIdentifiable:
-    key = "open.spring_upright" if joint == 0 else "open.spring_idle"
+def _idle_spring(joint: int, largest_rad: float, setting: Setting) -> NotIdentifiable:
+    key = "open.spring_upright" if joint == 0 and _is_upright(setting) else "open.spring_idle"
     reason = message(key, joint=joint + 1, largest_rad=largest_rad)
     return NotIdentifiable((joint_name("c", joint),), reason)

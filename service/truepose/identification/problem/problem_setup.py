@@ -97,16 +97,11 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
     """
     known = outline(campaign)
     source, largest = known.torque_source, known.largest_torque_n_mm
+    gravity = _gravity_in_base(campaign, base_rotation)
     if source == "measured" and stops.torque_n_mm is not None:
         # Effects ask whether a spring is ever loaded enough to be seen.
         largest = np.nanmax(np.abs(stops.torque_n_mm), axis=0)
     elif source == "masses":
-        base = known_placement(campaign).base
-        rotation = base_rotation
-        if rotation is None:
-            rotation = np.eye(3) if base is None else base[0]
-        # In the frame of the robot's base, which is where the chain below has its own.
-        gravity = rotation.T @ np.array(campaign.gravity_m_s2)
         chain = nominal_chain(campaign.robot, stops.joints_rad)
         largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
     legs = campaign.legs if campaign.calibration is None else None
@@ -115,7 +110,17 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
         certified_nests=_certified_nests(campaign),
         attachments=_numbers(stops.attachment),
         initialisations=_numbers(None if legs is None else legs.initialisation),
+        gravity_m_s2=(float(gravity[0]), float(gravity[1]), float(gravity[2])),
     )
+
+
+def _gravity_in_base(campaign: Campaign, base_rotation: FloatArray | None) -> FloatArray:
+    """Return gravity in the frame of the robot's base, (3,) [m/s2]; parameters as of `setting_of`."""
+    base = known_placement(campaign).base
+    rotation = base_rotation
+    if rotation is None:
+        rotation = np.eye(3) if base is None else base[0]
+    return np.asarray(rotation.T @ np.array(campaign.gravity_m_s2))
 
 
 def _certified_nests(campaign: Campaign) -> tuple[int, ...]:

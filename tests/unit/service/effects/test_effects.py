@@ -58,6 +58,9 @@ SETTINGS = {
     "six axes": setting(),
     "seven axes": setting(SEVEN_AXES),
     "masses unknown": setting(torque_source="unknown", largest_torque_n_mm=np.zeros(6)),
+    "on a wall": setting(
+        torque_source="unknown", largest_torque_n_mm=np.zeros(6), gravity_m_s2=(9.81, 0.0, 0.0)
+    ),
     "five axes": setting(shortened(5)),
     "one axis": setting(shortened(1)),
 }
@@ -147,6 +150,34 @@ def test_without_typical_springs_no_gearbox_yields_more_than_a_hundredth_of_a_ra
     assert np.all(widths * torque <= 0.01 * (1.0 + 1e-12))
     assert widths[1] == pytest.approx(1e-8)
     assert widths[5] == pytest.approx(2e-6)  # a light joint: no gearbox is softer than that
+
+
+@pytest.mark.parametrize(
+    ("gravity_m_s2", "first"),
+    [((0.0, 0.0, -9.81), 2), ((0.0, 0.0, 9.81), 2), ((0.1, 0.0, -9.81), 2), ((9.81, 0.0, 0.0), 1)],
+)
+def test_joint_1_has_products_unless_the_arm_stands_upright_or_hangs(gravity_m_s2, first):
+    chosen = setting(torque_source="unknown", largest_torque_n_mm=np.zeros(6), gravity_m_s2=gravity_m_s2)
+    compliance = EFFECTS["compliance"]
+
+    names = [spec.name for spec in compliance.specs(chosen)]
+    (left_open,) = compliance.left_open(tuple(names), chosen)
+
+    assert names[0] == f"c_{first}*mx_{first}"
+    assert left_open.parameters == tuple(f"c_{joint}" for joint in range(first, 7))
+
+
+@pytest.mark.parametrize(
+    ("gravity_m_s2", "key"),
+    [((0.0, 0.0, -9.81), "open.spring_upright"), ((9.81, 0.0, 0.0), "open.spring_idle")],
+)
+def test_only_an_upright_joint_1_is_idle_because_it_is_upright(gravity_m_s2, key):
+    chosen = setting(largest_torque_n_mm=np.zeros(6), gravity_m_s2=gravity_m_s2)
+
+    first, second, *_ = EFFECTS["compliance"].left_open((), chosen)
+
+    assert first.reason.key == key
+    assert second.reason.key == "open.spring_idle"
 
 
 def test_a_joint_that_carries_no_torque_has_no_spring():

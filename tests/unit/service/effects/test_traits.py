@@ -1,12 +1,17 @@
 """What effects tell of themselves: whoever treats them differently asks for it, and knows no names."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import EffectWithTraits, Trait
 from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
 from truepose.identification.problem.problem_setup import outline, setting_of
+from truepose.kinematics.frames import rotation_y
 from truepose.messages.catalogue import english
 
 
@@ -58,6 +63,17 @@ def test_what_an_effect_leaves_open_by_construction_it_says_itself(example_campa
         ("c_6",),
     ]
     assert "axis 1 is parallel to gravity" in english(said[2].reason)
+
+
+def test_gravity_is_known_in_the_base_of_a_robot_on_a_wall(example_campaign):
+    on_a_wall = replace(example_campaign, base_nominal=FramePlacement(0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0))
+    stops = example_campaign.calibration.stops
+
+    stated = setting_of(on_a_wall, stops)
+    found = setting_of(example_campaign, stops, rotation_y(np.pi / 2))
+
+    assert stated.gravity_m_s2 == pytest.approx((9.81, 0.0, 0.0))
+    assert found.gravity_m_s2 == stated.gravity_m_s2
 
 
 def test_an_effect_with_all_its_parameters_leaves_nothing_open(example_campaign):
