@@ -192,11 +192,12 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
 
     Raises
     ------
-    numpy.linalg.LinAlgError
-        The nests are in one place or on a line; nearly on one, the turn about it comes out as large as
-        rounding makes it.
+    UnderdeterminedError
+        The nests are in one place or on a line.
     """
     arms = nests_mm - centre(nests_mm)
+    if np.linalg.matrix_rank(arms) < 2:
+        raise UnderdeterminedError("The nests are on a line: they show no turn about it.")
     # What is stated is how far the nests of the fitted body are off; the readings themselves err by more.
     sigma_mm = nest_mm * np.sqrt(nests_mm.size / _OF_A_RIGID_BODY)
     squares = (arms**2).sum() * np.eye(3) - arms.T @ arms
@@ -205,21 +206,22 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
 
 
 def normal(nests_mm: FloatArray) -> FloatArray:
-    """Return the normal of the plane of the first three nests, away from the last frame's origin.
+    """Return the normal of the plane that lies nearest to the nests, away from the last frame's origin.
+
+    Of the singular vectors of the nests about their centre the one of the smallest singular value: all nests
+    count alike, in whatever order they are numbered.
 
     Parameters
     ----------
     nests_mm : ndarray, shape (K, 3)
-        K >= 3; the first three not on a line. In the last frame.
+        K >= 3, not on a line. In the last frame.
 
     Returns
     -------
     ndarray, shape (3,)
         Of length 1.
     """
-    first, second, third = nests_mm[:3]
-    across = np.cross(second - first, third - first)
-    # Targets of a flat artefact look away from the arm that carries it, in whatever order the nests are
-    # numbered.
-    away = across if across @ centre(nests_mm) >= 0.0 else -across
-    return np.asarray(away / np.linalg.norm(away))
+    middle = centre(nests_mm)
+    across = np.linalg.svd(nests_mm - middle)[2][2]
+    # Targets of a flat artefact look away from the arm that carries it.
+    return np.asarray(across if across @ middle >= 0.0 else -across)

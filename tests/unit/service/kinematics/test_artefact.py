@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from truepose.domain.errors import UnderdeterminedError
 from truepose.kinematics.frames import rigid_alignment, vector_from_rotation
 from truepose.kinematics.poses import centre, normal, pose_uncertainty
 
@@ -46,3 +47,18 @@ def test_at_the_centre_position_and_turn_share_no_error():
 def test_the_normal_points_away_from_the_flange_however_the_nests_are_numbered(order):
     assert normal(SPATIAL[list(order)]) == pytest.approx([0.0, 0.0, 1.0])
     assert normal(FLAT) @ centre(FLAT) > 0.0
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 0, 2, 1)])
+def test_nests_in_a_row_beside_others_have_a_normal_too(order):
+    row = np.array([[0.0, 0.0, 90.0], [50.0, 0.0, 90.0], [100.0, 0.0, 90.0], [0.0, 80.0, 90.0]])
+
+    assert normal(row[list(order)]) == pytest.approx([0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("along", [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.36, 0.48, -0.8)])
+def test_nests_on_a_line_tell_no_pose(along):
+    line = np.array([10.0, 20.0, 30.0]) + np.outer([0.0, 40.0, 90.0], along)
+
+    with pytest.raises(UnderdeterminedError, match="on a line"):
+        pose_uncertainty(line, 0.045)
