@@ -17,8 +17,12 @@ from truepose.correction.target_poses import FAR_RAD, FLANGE, Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops, told_moves
 from truepose.domain.identification import Model
-from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
-from truepose.identification.model.evaluation import Targets
+from truepose.identification.model.estimates import (
+    Estimate,
+    check_nests,
+    check_stops,
+    identified_estimate,
+)
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import branch_of
 
@@ -49,8 +53,8 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
         Another number of joints, an unknown nest, or measured torques that the model needs are missing.
     """
     asked = np.full(len(goals), ANY_BRANCH) if branch is None else branch
-    # The flange is no nest of the model: any nest stands for it where only the stops are to be checked.
-    check_targets(model, Targets(goals.stops, np.where(goals.nest == FLANGE, 1, goals.nest)))
+    check_stops(model, goals.stops)
+    check_nests(model, goals.nest[goals.nest != FLANGE])
     estimate = with_flange(identified_estimate(model))
     # Before the table is split: the last move to a target is from the one before it in time.
     stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
@@ -73,7 +77,7 @@ def in_world(model: Model, goals: Goals) -> Goals:
     goals : Goals
         n of them; position [mm] and rotation in the robot's base.
     """
-    return NominalArm(identified_estimate(model)).in_world(goals)
+    return _arm(model).in_world(goals)
 
 
 def flange_in_base(model: Model, goals: Goals) -> FloatArray:
@@ -90,8 +94,7 @@ def flange_in_base(model: Model, goals: Goals) -> FloatArray:
     ndarray, shape (n, 4, 4)
         [mm]
     """
-    arm = NominalArm(with_flange(identified_estimate(model)))
-    return arm.flange(replace(goals, nest=numbered_nests(model, goals.nest)))
+    return _arm(model).flange(replace(goals, nest=numbered_nests(model, goals.nest)))
 
 
 def meant_by_joints(model: Model, stops: Stops) -> Goals:
@@ -114,14 +117,14 @@ def tool_nests_mm(model: Model) -> FloatArray:
     Parameters
     ----------
     model : Model
-        With K nests, one at least.
+        With K nests.
 
     Returns
     -------
     ndarray, shape (K, 3)
         [mm], last frame.
     """
-    return NominalArm(identified_estimate(model)).nests_mm
+    return _arm(model).nests_mm[:-1]
 
 
 def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -144,6 +147,11 @@ def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Floa
     """
     place = flange_in_base(model, goals)[:, :3, 3]
     return place, nominal_chain(model.robot, joints_rad).end_origin - place
+
+
+def _arm(model: Model) -> NominalArm:
+    # A model may have been made without a nest; the origin of its last frame is always there.
+    return NominalArm(with_flange(identified_estimate(model)))
 
 
 def with_flange(estimate: Estimate) -> Estimate:

@@ -19,7 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Anchor, Model, NestCentre, Parameter
@@ -166,23 +166,54 @@ def check_targets(model: Model, targets: Targets) -> None:
     Raises
     ------
     ConfigurationError
-        Another number of joints, a nest that the model does not have, or a row without the measured joint
-        torques that it was identified with.
+        As of `check_stops` and `check_nests`.
     """
-    stops, nest = targets.stops, targets.nest
+    check_stops(model, targets.stops)
+    check_nests(model, targets.nest)
+
+
+def check_stops(model: Model, stops: Stops) -> None:
+    """Refuse stops at which a model cannot predict anything.
+
+    Parameters
+    ----------
+    model : Model
+    stops : Stops
+
+    Raises
+    ------
+    ConfigurationError
+        Another number of joints, or a row without the measured joint torques that the model was identified
+        with.
+    """
     if stops.joints_rad.shape[1] != model.robot.n_joints:
         raise ConfigurationError(
             f"The model has {model.robot.n_joints} joints, the rows have {stops.joints_rad.shape[1]}."
-        )
-    if len(nest) and (nest.min() < 1 or nest.max() > len(model.nests)):
-        raise ConfigurationError(
-            f"Nest {int(nest.max()) if nest.max() > len(model.nests) else int(nest.min())} is unknown: "
-            f"the model has nests 1 to {len(model.nests)}."
         )
     if model.torques_measured and (stops.torque_n_mm is None or not np.isfinite(stops.torque_n_mm).all()):
         raise ConfigurationError(
             "The model was identified with measured joint torques: give tau1_Nm.. of every row too."
         )
+
+
+def check_nests(model: Model, nest: IntArray) -> None:
+    """Refuse nests that a model does not have.
+
+    Parameters
+    ----------
+    model : Model
+    nest : ndarray of int, shape (n,)
+        From 1.
+
+    Raises
+    ------
+    ConfigurationError
+        With the number of one of them.
+    """
+    unknown = nest[(nest < 1) | (nest > len(model.nests))]
+    if len(unknown):
+        known = f"nests 1 to {len(model.nests)}" if model.nests else "no nests"
+        raise ConfigurationError(f"Nest {int(unknown.max())} is unknown: the model has {known}.")
 
 
 FIELDS: Final[Mapping[PortKind, str]] = {

@@ -15,7 +15,15 @@ from tests.helpers.identification.models import (
     plain_parameters,
 )
 from tests.helpers.identification.synthetic import configurations
-from truepose.correction import FLANGE, Goals, correct, of_poses
+from truepose.correction import (
+    FLANGE,
+    Goals,
+    correct,
+    flange_in_base,
+    meant_by_joints,
+    of_poses,
+    tool_nests_mm,
+)
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
@@ -238,6 +246,35 @@ def test_a_nest_that_the_model_does_not_know_is_refused(nest):
 
     with pytest.raises(ConfigurationError, match=f"Nest {nest} is unknown"):
         correct(model, replace(plain_goals(model, 3), nest=np.full(3, nest)))
+
+
+def nestless_model():
+    parameters = (parameter for parameter in plain_parameters(IRB_120) if parameter.effect != "tool")
+    return model_of(IRB_120, *parameters, nests=(), nominal_nests=())
+
+
+def test_a_model_without_nests_is_corrected_at_its_flange():
+    nestless = nestless_model()
+    stops = Stops(np.arange(10), configurations(10, 3))
+    goals = goals_at(nestless, stops, np.full(10, FLANGE))
+
+    found = correct(nestless, goals)
+
+    assert found.solved.all()
+    assert_there(nestless, goals, found)
+    with pytest.raises(ConfigurationError, match=r"^Nest 1 is unknown: the model has no nests\.$"):
+        correct(nestless, replace(goals, nest=np.ones(10, dtype=np.int64)))
+
+
+def test_a_model_without_nests_has_a_base_and_places_no_nest():
+    nestless = nestless_model()
+    stops = Stops(np.arange(3), configurations(3))
+    goals = meant_by_joints(nestless, stops)
+
+    assert tool_nests_mm(nestless).shape == (0, 3)
+    assert flange_in_base(nestless, goals)[:, :3, 3] == pytest.approx(
+        nominal_chain(IRB_120, stops.joints_rad).end_origin
+    )
 
 
 def test_a_frame_of_the_wrong_hand_is_refused_with_its_row():
