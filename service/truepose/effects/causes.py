@@ -325,16 +325,17 @@ def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[f
     amplitude : float
         In the unit of the vector; never below its own uncertainty u along the vector.
     standard_uncertainty : float
-        u |v| / A, of a vector of zeros sqrt(tr C).
+        u |v| / A, no less than u; of a vector of zeros sqrt(tr C).
     """
     length = float(np.linalg.norm(vector))
     if length == 0.0:
         return 0.0, float(np.sqrt(np.trace(covariance)))
-    spread = _spread_along(vector, covariance)
+    spread, amplitude = _spread_along(vector, covariance), norm_beyond_noise(vector, covariance)
     # Never less than it is uncertain: towards zero the amplitude is an ever steeper function of the length,
     # and its uncertainty would grow without bound.
-    amplitude = max(norm_beyond_noise(vector, covariance), spread)
-    return amplitude, spread * max(1.0, length / amplitude)
+    if amplitude <= spread:
+        return spread, max(spread, length)
+    return amplitude, spread * length / amplitude
 
 
 def norm_beyond_noise(vector: FloatArray, covariance: FloatArray) -> float:
@@ -360,7 +361,8 @@ def norm_beyond_noise(vector: FloatArray, covariance: FloatArray) -> float:
 def _spread_along(vector: FloatArray, covariance: FloatArray) -> float:
     """Return the standard deviation along the vector, sqrt(v^T C v) / |v|."""
     along = vector / np.linalg.norm(vector)
-    return float(np.sqrt(along @ covariance @ along))
+    # Of a vector that is known exactly along itself rounding may leave less than nothing.
+    return float(np.sqrt(max(float(along @ covariance @ along), 0.0)))
 
 
 def varied(column: FloatArray | IntArray | None) -> bool:

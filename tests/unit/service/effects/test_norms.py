@@ -33,6 +33,17 @@ def test_a_vector_that_is_nothing_is_as_uncertain_as_all_its_components():
     assert norm_with_uncertainty(np.zeros(2), np.diag([9.0, 16.0])) == (0.0, 5.0)
 
 
+@pytest.mark.parametrize("turn_rad", [0.0, 0.3, 0.7, 2.2])
+def test_a_length_that_noise_across_explains_is_nothing_even_where_it_is_known_exactly_along(turn_rad):
+    along = np.array([np.cos(turn_rad), np.sin(turn_rad)])
+    across = np.array([-along[1], along[0]])
+
+    amplitude, uncertainty = norm_with_uncertainty(along, 4.0 * np.outer(across, across))
+
+    assert amplitude == pytest.approx(0.0, abs=1e-7)
+    assert uncertainty == pytest.approx(1.0)
+
+
 def test_what_noise_explains_is_no_length():
     assert norm_beyond_noise(np.zeros(2), np.eye(2)) == 0.0
     assert norm_beyond_noise(np.array([0.6, 0.8]), np.eye(2)) == 0.0
