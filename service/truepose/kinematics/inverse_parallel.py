@@ -37,6 +37,7 @@ from truepose.kinematics.inverse_parts import (
     Vector,
     column,
     column_angle,
+    is_beyond,
     positive_side,
     same_way,
     turned_back,
@@ -92,9 +93,9 @@ def branches(robot: Robot, theta: FloatArray) -> tuple[BoolArray, BoolArray, Boo
     reach = upper.a_mm + elbow.a_mm * np.cos(theta[:, 1]) + forearm.a_mm * np.cos(along)
     across = np.sin(along + _axis_4(robot) * theta[:, 3])
     reach += wrist.d_mm * np.sin(wrist.alpha_rad) * _axis_4(robot) * across
-    back = np.asarray(reach * np.sign(_stretched_mm(robot)) < 0.0)
-    down = back ^ (np.sin(theta[:, 2]) * _bend_upwards(robot) < 0.0)
-    return back, down, np.asarray(np.sin(theta[:, 4]) * positive_side(robot) < 0.0)
+    back = is_beyond(reach * np.sign(_stretched_mm(robot)), STRUCTURE_MM)
+    down = back ^ is_beyond(np.sin(theta[:, 2]) * _bend_upwards(robot), LOCKED)
+    return back, down, is_beyond(np.sin(theta[:, 4]) * positive_side(robot), LOCKED)
 
 
 def _axis_4(robot: Robot) -> float:

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import Robot
 
 STRUCTURE_RAD: Final = 1e-9  # twists this close to a right angle are one; tables are written in whole degrees
@@ -115,6 +115,19 @@ def positive_side(robot: Robot) -> float:
     row = robot.joints[4]
     # A millionth of a radian beside zero: at zero itself the sine of an offset of 0 or 180 deg says nothing.
     return 1.0 if np.sin(row.theta_offset_rad + row.sign * 1e-6) > 0.0 else -1.0
+
+
+def is_beyond(side: FloatArray, rounding: float) -> BoolArray:
+    """Say what is on the negative side of where two branches meet; in their midst the lower one counts.
+
+    Parameters
+    ----------
+    side : ndarray, shape (n,)
+        0 where they meet.
+    rounding : float
+        Less is 0: the sine of an offset of half a turn is 1e-16, of either sign.
+    """
+    return np.asarray(side < -rounding)
 
 
 def rounded(ratio: FloatArray) -> FloatArray:

@@ -27,6 +27,7 @@ from truepose.kinematics.inverse_parts import (
     Vector,
     column,
     column_angle,
+    is_beyond,
     positive_side,
     same_way,
     turned_back,
@@ -89,9 +90,9 @@ def branches(robot: Robot, theta: FloatArray) -> tuple[BoolArray, BoolArray, Boo
     bend = theta[:, 2] + angle
     reach = robot.joints[1].a_mm + robot.joints[2].a_mm * np.cos(theta[:, 1])
     reach += length * np.cos(theta[:, 1] + same_way(robot) * bend)
-    back = np.asarray(reach < 0.0)
-    down = back ^ (np.sin(bend) * _zero_bend(robot) < 0.0)
-    return back, down, np.asarray(np.sin(theta[:, 4]) * positive_side(robot) < 0.0)
+    back = is_beyond(reach, STRUCTURE_MM)
+    down = back ^ is_beyond(np.sin(bend) * _zero_bend(robot), LOCKED)
+    return back, down, is_beyond(np.sin(theta[:, 4]) * positive_side(robot), LOCKED)
 
 
 def _before_wrist(robot: Robot, vector: Vector, arm: tuple[FloatArray, FloatArray, FloatArray]) -> Vector:

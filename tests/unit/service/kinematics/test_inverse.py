@@ -235,6 +235,18 @@ def test_the_branch_of_joints_is_the_one_that_leads_back_to_them(name):
     assert branch_of(robot, joints).tolist() == np.nanargmin(apart, axis=1).tolist()
 
 
+@pytest.mark.parametrize("name", [*ARMS, "universal-robots-ur10"])
+@pytest.mark.parametrize("offset_rad", [0.0, np.pi, -np.pi])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_where_the_wrist_is_straight_the_branch_is_the_lower_one_whatever_its_offset(name, offset_rad, sign):
+    robot = changed(load_robot(name), 5, theta_offset_rad=offset_rad, sign=sign)
+    joints = np.array([[0.3, -0.9, 0.8, 0.2, q5, 0.1] for q5 in (0.0, np.pi, 0.2, -0.2)])
+
+    branch = branch_of(robot, joints)
+
+    assert (branch % 2).tolist() == [0, 0, 0, 1]
+
+
 def test_an_arm_without_a_closed_form_has_no_numbered_branches():
     with pytest.raises(ConfigurationError, match="no numbered branches"):
         branch_of(SEVEN_AXES, np.zeros((1, 7)))
