@@ -1,8 +1,8 @@
 """What a correction answers, goal by goal, and added up over a whole table of targets.
 
 A search ends somewhere; here it is said what that is worth: whether the goal was reached within the limits,
-how uncertain the tool's place is there, how far outside the measured zone, how far joints turn. Whoever hands
-joints out takes those of `solved` rows only.
+how uncertain the tool's place is there, how far outside the measured zone, how far joints turn. Joints that
+do not lead to their goal are not handed out (docs/decisions/0039).
 """
 
 from collections import Counter
@@ -32,14 +32,15 @@ Status: TypeAlias = Literal["ok", "limits_unknown", "joint_limit", "out_of_reach
 
 @dataclass(frozen=True, slots=True)
 class Corrections(Table):
-    """What goals came to, n rows of J joints; of a goal that cannot be reached the nearest that was found.
+    """What goals came to, n rows of J joints; of one that is not `solved` errors and excesses of the nearest.
 
     Attributes
     ----------
     joints_rad : ndarray, shape (n, J)
-        To be sent to the controller where `solved`, else not; NaN where nothing was found.
+        To be sent to the controller; NaN where not `solved`.
     branch : ndarray of int, shape (n,)
-        Of the joints, as in `kinematics.inverse`; ANY_BRANCH of an arm without numbered branches.
+        Of the joints, as in `kinematics.inverse`; ANY_BRANCH where not `solved`, and of an arm without
+        numbered branches.
     error_mm, error_rad : ndarray, shape (n,)
         Between the goal and where the model says that the tool goes.
     uncertainty_mm : ndarray, shape (n,)
@@ -128,9 +129,12 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, tol
     # operator sees.
     own = _own_answers(estimate, goals)
     away = np.where(told, _largest(goals.stops.joints_rad, joints), _nearest(own, joints))
+    status = _statuses(found, passed, own)
+    # Somebody would send them.
+    solved = np.isin(status, CORRECTED)
     return Corrections(
-        joints_rad=joints,
-        branch=_branches(robot, joints),
+        joints_rad=np.where(solved[:, None], joints, np.nan),
+        branch=np.where(solved, _branches(robot, joints), ANY_BRANCH),
         error_mm=found.error_mm,
         error_rad=found.error_rad,
         uncertainty_mm=np.sqrt(placed_variance(model, state)),
@@ -139,7 +143,7 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, tol
         outside_rad=outside_rad,
         moved_rad=away,
         beyond_limit_rad=passed,
-        status=_statuses(found, passed, own),
+        status=status,
     )
 
 

@@ -68,7 +68,7 @@ class Corrections:
     @property
     def joints_deg(self) -> FloatArray:
         """What to send to the controller [deg], shape (n, J); NaN where a target was not corrected."""
-        return np.where(self.solved[:, None], np.degrees(self.found.joints_rad), np.nan)
+        return np.degrees(self.found.joints_rad)
 
     @property
     def standard_uncertainty_mm(self) -> FloatArray:

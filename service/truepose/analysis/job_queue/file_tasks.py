@@ -167,8 +167,7 @@ def _columns(model: Model, rows: "Rows") -> CorrectedTargets:
     from truepose.correction import shifted_by
 
     found = rows.found
-    sent = np.where(found.solved[:, None], found.joints_rad, np.nan)
-    place, shift = shifted_by(model, rows.goals, sent)
+    place, shift = shifted_by(model, rows.goals, found.joints_rad)
     return CorrectedTargets(
         names=rows.names,
         statuses=tuple(map(str, found.status)),

@@ -182,14 +182,11 @@ def correction_cells(names: Sequence[str], found: Corrections) -> dict[str, list
     """Return the cells of corrected targets by column."""
     joints = np.degrees(found.joints_rad)
     columns = zip(joint_names(joints.shape[1]), joints.T, strict=True)
-    ok = found.solved  # joints that do not lead to the target must not find their way into a program
+    ok = found.solved
     return {
         _NAME: [_cell(name) for name in names],
-        _BRANCH: [
-            BRANCH_NAMES[number] if good and number != ANY_BRANCH else ""
-            for number, good in zip(found.branch.tolist(), ok.tolist(), strict=True)
-        ],
-        **{name: _written(np.where(ok, values, np.nan), ".9f") for name, values in columns},
+        _BRANCH: ["" if number == ANY_BRANCH else BRANCH_NAMES[number] for number in found.branch.tolist()],
+        **{name: _written(values, ".9f") for name, values in columns},
         "error_mm": _written(found.error_mm, ".6f"),
         "u_mm": _written(np.where(ok, found.uncertainty_mm, np.nan), ".6g"),
         "status": found.status.tolist(),

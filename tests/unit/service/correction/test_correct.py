@@ -16,6 +16,7 @@ from tests.helpers.identification.models import (
 )
 from tests.helpers.identification.synthetic import configurations
 from truepose.correction import (
+    ANY_BRANCH,
     FLANGE,
     Goals,
     correct,
@@ -183,6 +184,22 @@ def test_a_goal_out_of_reach_is_told_apart_from_one_at_a_limit():
     assert found.status.tolist() == ["ok", "joint_limit", "out_of_reach"]
     assert found.beyond_limit_rad[1, 0] == pytest.approx(0.2, abs=0.02)
     assert found.error_mm[2] > 500.0
+
+
+def test_joints_of_a_goal_that_is_not_reached_are_not_handed_out():
+    limited = replace(IRB_120, joint_limits=tuple(JointRange(-0.5, 0.5) for _ in range(6)))
+    model = model_of(limited, *plain_parameters(limited))
+    joints = np.tile([0.2, 0.3, -0.2, 0.4, 0.45, 0.1], (3, 1))
+    joints[1, 0] = 0.7
+    goals = goals_at(model, Stops(np.arange(3), joints), np.zeros(3, dtype=np.int64))
+    goals.position_mm[2] += [2000.0, 0.0, 0.0]
+
+    for asked in (goals, goals_at(model, goals.at(joints), goals.nest, joints)):
+        found = correct(model, asked)
+
+        assert not found.solved.all()
+        assert np.isfinite(found.joints_rad).all(axis=1).tolist() == found.solved.tolist()
+        assert (found.branch == ANY_BRANCH).tolist() == (~found.solved).tolist()
 
 
 def test_a_gap_is_made_up_for_by_the_direction_of_approach():
