@@ -28,7 +28,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.campaign import Campaign, FixedNestReadings, sites
-from truepose.domain.robot import FixedNest, WorldRegistration
+from truepose.domain.robot import FixedNest, WorldRegistration, span_triangle
 from truepose.effects.frames.tool_certificate import moves
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.solver import covariance_of, posterior_covariance, slope
@@ -237,26 +237,26 @@ def world_registration(campaign: Campaign) -> WorldRegistration | None:
     -------
     WorldRegistration or None
         Covariance (6, 6) of a small shift [mm] and turn [rad] about the world's origin; None where
-        nothing was stated and fewer than three fixed nests are certified or none was looked at. A turn that
-        the nests which were looked at leave open counts as known.
+        nothing was stated and the fixed nests that were looked at place no frame: fewer than three, or on a
+        line.
     """
-    if campaign.registration is not None:
+    if campaign.registration is not None or campaign.reference is None:
         return campaign.registration
-    # Two nests leave open the turn about the line between them.
-    if campaign.reference is None or len(campaign.fixed_nests) < 3:
+    looked_at = set(campaign.reference.fixed_nest.tolist())
+    nests = {number: nest for number, nest in enumerate(campaign.fixed_nests, start=1) if number in looked_at}
+    # Nests on a line leave open the turn about it, whatever else is certified.
+    if len(nests) < 3 or not span_triangle(list(nests.values())):
         return None
-    return WorldRegistration(_registration_covariance(campaign.reference, campaign.fixed_nests))
+    return WorldRegistration(_registration_covariance(campaign.reference, nests))
 
 
-def _registration_covariance(readings: FixedNestReadings, nests: tuple[FixedNest, ...]) -> FloatArray:
+def _registration_covariance(readings: FixedNestReadings, nests: dict[int, FixedNest]) -> FloatArray:
     normal = np.zeros((6, 6))
-    for number, nest in enumerate(nests, start=1):
+    for number, nest in nests.items():
         here = readings.fixed_nest == number
-        if not here.any():
-            continue
         # Looks average out; the error of the certificate is the same in each and does not.
         mean_variance = 1.0 / float((1.0 / readings.standard_uncertainty_mm[here] ** 2).sum())
         variance = mean_variance + nest.standard_uncertainty_mm**2
         motion = np.hstack([np.eye(3), -cross_matrix(np.array(nest.centre_mm))])
         normal += motion.T @ motion / variance
-    return np.asarray(np.linalg.pinv(normal, rcond=1e-12))
+    return np.asarray(np.linalg.inv(normal))

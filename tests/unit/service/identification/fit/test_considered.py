@@ -131,6 +131,18 @@ def test_with_fewer_than_three_fixed_nests_nothing_is_said_of_the_world():
     assert world_registration(nominal_campaign(20)) is None
 
 
+@pytest.mark.parametrize("looked_at", [(1, 2), (1, 2, 4)], ids=["two of four", "three on a line"])
+def test_nests_that_were_looked_at_and_leave_a_turn_open_say_nothing_of_the_world(looked_at):
+    places = np.array([[600.0, -500.0, 0.0], [600.0, 500.0, 0.0], [-350.0, 500.0, 0.0], [600.0, 0.0, 0.0]])
+    fixed = tuple(FixedNest(tuple(place), 0.005) for place in places)
+    number = np.repeat(looked_at, 5)
+    looks = FixedNestReadings(
+        np.arange(float(len(number))), number, places[number - 1], np.full(len(number), 0.03)
+    )
+
+    assert world_registration(replace(nominal_campaign(20), fixed_nests=fixed, reference=looks)) is None
+
+
 def skew(vector):
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
