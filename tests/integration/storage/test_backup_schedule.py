@@ -1,10 +1,15 @@
 """Copies on a schedule: made when one is due, so many kept, and failures said."""
 
+import asyncio
+import threading
+from pathlib import Path
+
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from truepose.storage.backup import schedule as backup_schedule
 from truepose.storage.backup.plan import BackupPlan
-from truepose.storage.backup.schedule import BackupSchedule
+from truepose.storage.backup.schedule import BackupSchedule, back_up_at
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.sessions import SessionRepository
@@ -75,6 +80,64 @@ async def test_drafts_go_with_the_copy_that_they_lie_beside(database, schedule, 
         "truepose-20270117T080000Z.sqlite3.drafts.zip",
         "truepose-20270118T080000Z.sqlite3",
     ]
+
+
+@pytest.mark.parametrize("stamp", ["20991231T000000Z", "99999999T999999Z"])
+async def test_a_name_of_no_moment_that_has_been_counts_for_no_copy(schedule, day, stamp):
+    schedule.plan.folder.mkdir()
+    strange = f"truepose-{stamp}.sqlite3"
+    (schedule.plan.folder / strange).write_bytes(b"")
+    assert schedule.age_s is None
+
+    for _ in range(3):
+        assert await schedule.make_if_due() == DAY_S
+        day.now_s += DAY_S
+
+    assert schedule.age_s == DAY_S
+    assert copies(schedule) == [
+        "truepose-20270116T080000Z.sqlite3",
+        "truepose-20270117T080000Z.sqlite3",
+        strange,
+    ]
+
+
+async def test_a_folder_that_cannot_be_read_is_said_and_looked_at_again_soon(schedule, monkeypatch):
+    def unreadable(folder):
+        raise PermissionError(13, "Permission denied")
+
+    with monkeypatch.context() as locked:
+        schedule.plan.folder.mkdir()
+        locked.setattr(Path, "iterdir", unreadable)
+        assert schedule.age_s is None
+        assert await schedule.make_if_due() == 600.0
+        assert "Permission denied" in schedule.fault
+
+    assert copies(schedule) == []
+    await schedule.make_if_due()
+    assert (schedule.fault, len(copies(schedule))) == (None, 1)
+
+
+async def test_a_schedule_that_ends_gives_up_the_copy_under_way_and_waits_for_that(schedule, monkeypatch):
+    begun, go_on = asyncio.Event(), threading.Event()
+    loop = asyncio.get_running_loop()
+
+    def slow(*of):
+        loop.call_soon_threadsafe(begun.set)
+        go_on.wait(60)
+        return back_up_at(*of)
+
+    monkeypatch.setattr(backup_schedule, "back_up_at", slow)
+    following = asyncio.create_task(schedule.make_if_due())
+    await begun.wait()
+
+    following.cancel()
+    await asyncio.wait({following}, timeout=0.1)
+    let_go_early = following.done()
+    go_on.set()
+    await asyncio.gather(following, return_exceptions=True)
+
+    assert (let_go_early, following.cancelled()) == (False, True)
+    assert not schedule.plan.folder.exists() or copies(schedule) == []
 
 
 async def test_a_copy_that_cannot_be_made_is_said_and_tried_again_soon(schedule):

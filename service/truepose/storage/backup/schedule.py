@@ -6,17 +6,19 @@ is left are old logs, surplus copies, and what an interrupted copy left behind.
 """
 
 import asyncio
+import contextlib
 import logging
+import math
 import os
 import re
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
+from truepose.messages.message import Text
 from truepose.storage.backup.copying import Backup, Told, back_up, drafts_beside, require_copy, written_copy
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.restoring import restore, whole_copy
@@ -63,7 +65,7 @@ def restore_at(
 
 def _make_one_file(part: Path) -> None:
     """Leave a database that was just written as one file, which is on the disk."""
-    with closing(LIBRARY.connect(part)) as copy:
+    with contextlib.closing(LIBRARY.connect(part)) as copy:
         copy.execute("PRAGMA journal_mode=DELETE")
     with part.open("rb+") as written:
         os.fsync(written.fileno())
@@ -84,18 +86,22 @@ class BackupSchedule:
         self.fault: str | None = None  # of the last attempt
         self._url = url
         self._now_s = now_s
+        self._ended = False
 
     @property
     def age_s(self) -> float | None:
-        """Return how old the newest copy is; None where there is none."""
-        copies = copies_in(self.plan.folder)
-        return max(0.0, self._now_s() - copies[-1][0]) if copies else None
+        """Return how old the newest copy is; None where there is none, or the folder cannot be read."""
+        with contextlib.suppress(OSError):
+            return self._newest_age_s()
+        return None
 
     async def follow(self) -> None:
         """Make copies until cancelled."""
         await asyncio.sleep(_FIRST_S)
-        # Copies that an earlier version made may be readable by everybody (commit 5c314de7).
-        tighten(*(file for _, file in copies_in(self.plan.folder)))
+        # What cannot be read now is said when a copy is due.
+        with contextlib.suppress(OSError):
+            # Copies that an earlier version made may be readable by everybody (commit 5c314de7).
+            tighten(*(file for _, file in copies_in(self.plan.folder)))
         while True:
             await asyncio.sleep(await self.make_if_due())
 
@@ -103,42 +109,71 @@ class BackupSchedule:
         """Make a copy where the newest one is old enough; returns after how long to look again [s]."""
         # The newest copy says when the next one is due, and no clock of this process: a service that is
         # restarted every day would otherwise never make one, or one at each start.
-        age_s = self.age_s
-        if age_s is not None and age_s < self.plan.every_s:
-            return self.plan.every_s - age_s
         try:
-            # Copying takes seconds to minutes of reading, which the loop of a session that measures has not.
-            await asyncio.to_thread(self._make)
+            age_s = self._newest_age_s()
+            if age_s is None or age_s >= self.plan.every_s:
+                await self._make_off_the_loop()
+                age_s = 0.0
         except (StorageError, OSError) as error:
-            _LOG.error("no copy of the database was made: %s", error)
+            _LOG.error("the copy of the database failed: %s", error)
             self.fault = str(error)
             return min(_AGAIN_S, self.plan.every_s)
         self.fault = None
-        return self.plan.every_s
+        return self.plan.every_s - age_s
+
+    def _newest_age_s(self) -> float | None:
+        now_s = self._now_s()
+        copies = copies_in(self.plan.folder, now_s)
+        return now_s - copies[-1][0] if copies else None
+
+    async def _make_off_the_loop(self) -> None:
+        # Copying takes seconds to minutes of reading, which the loop of a session that measures has not.
+        making = asyncio.ensure_future(asyncio.to_thread(self._make))
+        try:
+            await asyncio.shield(making)
+        except asyncio.CancelledError:
+            # The thread goes on, and the service lets the database go once this task has ended: closing its
+            # file would drop the locks under which the thread reads.
+            self._ended = True
+            await asyncio.gather(making, return_exceptions=True)
+            raise
+
+    def _require_going_on(self, _share: float, _doing: Text) -> None:
+        if self._ended:
+            raise BackupError("The service ends; no copy was made.")
 
     def _make(self) -> None:
-        stamp = datetime.fromtimestamp(self._now_s(), UTC).strftime(_STAMP)
-        made = back_up_at(self._url, self.plan.folder / f"truepose-{stamp}.sqlite3")
+        now_s = self._now_s()
+        stamp = datetime.fromtimestamp(now_s, UTC).strftime(_STAMP)
+        target = self.plan.folder / f"truepose-{stamp}.sqlite3"
+        made = back_up_at(self._url, target, self._require_going_on)
         _LOG.info("%s: a copy of %d records, verified", made.file, made.head.links)
         # Only after a copy was made and verified: one that fails never costs an older one.
-        for _, file in copies_in(self.plan.folder)[: -self.plan.keep]:
+        for _, file in copies_in(self.plan.folder, now_s)[: -self.plan.keep]:
             file.unlink(missing_ok=True)
             drafts_beside(file).unlink(missing_ok=True)
             _LOG.info("%s: an older copy than the %d that are kept was removed", file, self.plan.keep)
 
 
-def copies_in(folder: Path) -> list[tuple[float, Path]]:
-    """Return the copies of a schedule with the moment when each was begun, oldest first."""
+def copies_in(folder: Path, until_s: float = math.inf) -> list[tuple[float, Path]]:
+    """Return the copies of a schedule with the moment when each was begun, oldest first; raises OSError.
+
+    Those of after `until_s` are left out. Where the clock was ahead once, such a copy would be the newest one
+    for years: no other would be made, and those that were would go first.
+    """
     if not folder.is_dir():
         return []
     # By name, not by time stamp of the file: whoever copies the folder to another disk changes the latter.
     # Files of other names are somebody else's, and stay.
-    named = [(_NAME.fullmatch(file.name), file) for file in folder.iterdir()]
-    return sorted((_moment_s(name[1]), file) for name, file in named if name)
+    named = [(_moment_s(file.name), file) for file in folder.iterdir()]
+    return sorted((begun_s, file) for begun_s, file in named if begun_s is not None and begun_s <= until_s)
 
 
-def _moment_s(stamp: str) -> float:
-    return datetime.strptime(stamp, _STAMP).replace(tzinfo=UTC).timestamp()
+def _moment_s(name: str) -> float | None:
+    found = _NAME.fullmatch(name)
+    with contextlib.suppress(ValueError):  # digits that are no moment
+        return found and datetime.strptime(found[1], _STAMP).replace(tzinfo=UTC).timestamp()
+    return None
 
 
 _DAY_S: Final = 86400.0
@@ -168,7 +203,7 @@ def surplus(database: Path, rules: Rules, now_s: Callable[[], float] = time.time
     """Return the files that may go, beside a database and among its copies."""
     found = [*_old_logs(database, rules, now_s()), *_left_behind(database, now_s())]
     if rules.copies is not None:
-        found += _surplus_copies(rules.copies, rules.keep_copies)
+        found += _surplus_copies(rules.copies, rules.keep_copies, now_s())
     return [SurplusCopy(file, file.stat().st_size, why) for file, why in found]
 
 
@@ -193,8 +228,8 @@ def _left_behind(database: Path, now_s: float) -> Iterator[tuple[Path, str]]:
             yield file, "left behind by a copy that was interrupted"
 
 
-def _surplus_copies(folder: Path, keep: int) -> Iterator[tuple[Path, str]]:
-    for _, file in copies_in(folder)[:-keep]:
+def _surplus_copies(folder: Path, keep: int, now_s: float) -> Iterator[tuple[Path, str]]:
+    for _, file in copies_in(folder, now_s)[:-keep]:
         yield file, f"copy, older than the {keep} that are kept"
         if drafts_beside(file).exists():
             yield drafts_beside(file), "drafts of such a copy"
