@@ -177,7 +177,8 @@ def _moment_s(name: str) -> float | None:
 
 
 _DAY_S: Final = 86400.0
-_LEFT_BEHIND: Final = (".part", ".rescued", ".restored")
+_LEFT_BEHIND: Final = (".rescued", ".restored", ".to-restore.part")  # beside the database
+_PART: Final = re.compile(rf"{_NAME.pattern}(\.drafts\.zip)?\.part([.-]\w+)?")  # among its copies
 _SURELY_LEFT_S: Final = _DAY_S  # no copy takes so long
 
 
@@ -201,7 +202,7 @@ class SurplusCopy:
 
 def surplus(database: Path, rules: Rules, now_s: Callable[[], float] = time.time) -> list[SurplusCopy]:
     """Return the files that may go, beside a database and among its copies."""
-    found = [*_old_logs(database, rules, now_s()), *_left_behind(database, now_s())]
+    found = [*_old_logs(database, rules, now_s()), *_left_behind(database, rules.copies, now_s())]
     if rules.copies is not None:
         found += _surplus_copies(rules.copies, rules.keep_copies, now_s())
     return [SurplusCopy(file, file.stat().st_size, why) for file, why in found]
@@ -221,9 +222,11 @@ def _old_logs(database: Path, rules: Rules, now_s: float) -> Iterator[tuple[Path
             yield file, f"log, {days:.0f} days old"
 
 
-def _left_behind(database: Path, now_s: float) -> Iterator[tuple[Path, str]]:
-    for ending in _LEFT_BEHIND:
-        file = database.with_name(f"{database.name}{ending}")
+def _left_behind(database: Path, copies: Path | None, now_s: float) -> Iterator[tuple[Path, str]]:
+    files = [database.with_name(f"{database.name}{ending}") for ending in _LEFT_BEHIND]
+    if copies is not None and copies.is_dir():
+        files += sorted(file for file in copies.iterdir() if _PART.fullmatch(file.name))
+    for file in files:
         if file.exists() and now_s - file.stat().st_mtime > _SURELY_LEFT_S:
             yield file, "left behind by a copy that was interrupted"
 

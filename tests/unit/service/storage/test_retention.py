@@ -51,11 +51,24 @@ def test_old_logs_may_go_and_young_ones_stay(database, tmp_path):
     assert (found.file, found.size_bytes, found.why) == (old, 10, "log, 91 days old")
 
 
-@pytest.mark.parametrize(("days", "goes"), [(2, True), (0.5, False)])
-def test_what_an_interrupted_copy_left_may_go_when_no_copy_is_under_way(database, tmp_path, days, goes):
-    make(tmp_path / "cell.db.rescued", days)
+LEFT = [
+    "cell.db.rescued",
+    "cell.db.restored",
+    "cell.db.to-restore.part",
+    "copies/truepose-20260101T000000Z.sqlite3.part",
+    "copies/truepose-20260101T000000Z.sqlite3.part-wal",
+    "copies/truepose-20260101T000000Z.sqlite3.part.lock",
+    "copies/truepose-20260101T000000Z.sqlite3.drafts.zip.part",
+]
 
-    assert bool(told(database)) is goes
+
+@pytest.mark.parametrize(("days", "goes"), [(2, True), (0.5, False)])
+@pytest.mark.parametrize("name", LEFT)
+def test_what_an_interrupted_copy_left_may_go_when_no_copy_is_under_way(database, tmp_path, name, days, goes):
+    make(tmp_path / "copies" / "by-hand.sqlite3.part", 500)
+    left = make(tmp_path / name, days)
+
+    assert [one.file for one in told(database, copies=tmp_path / "copies")] == [left] * goes
 
 
 def test_surplus_copies_may_go_the_oldest_first_and_files_by_hand_stay(database, tmp_path):
