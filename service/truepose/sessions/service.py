@@ -211,7 +211,12 @@ class SessionService:
         else:
             answer = await self._do(kind, session_id, act)
         # Before it is sent: a client that never gets the answer asks again, maybe after a restart.
-        await self.ledger.keep_answer(session_id, key, answer)
+        try:
+            await self.ledger.keep_answer(session_id, key, answer)
+        except RecordRefusedError:
+            # What is on record later has its key there; a halt that holds is not answered with an error.
+            if answer.entry is not None:
+                raise
         return answer
 
     async def _do(self, kind: SessionKind[Any], session_id: int, act: OperatorCommand) -> CommandAnswer:

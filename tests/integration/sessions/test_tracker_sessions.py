@@ -19,7 +19,7 @@ from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.errors import ServerAwayError
 from truepose.storage.ledger.additions import AddedStopsRepository
-from truepose.storage.records import SessionSetup
+from truepose.storage.records import RequestKey, SessionSetup
 
 _PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 1) for k in (1, 2)))
 
@@ -35,6 +35,7 @@ class FakeRunner:
         self.prompt = None if trouble else Prompt(1, "Is the cell clear?", CommandName.CONFIRM)
         self.state = SessionState.PLANNED if trouble else SessionState.AWAITING_CONFIRMATION
         self.version = 0
+        self.outcome = None if trouble else CommandOutcome(self.prompt.message, None)
         self._ended = asyncio.Event()
 
     @property
@@ -42,7 +43,7 @@ class FakeRunner:
         return Moment(self.state, "", self.prompt, self.trouble, robot_moving=False)
 
     async def ask(self, act):
-        return CommandOutcome(self.prompt.message, None)
+        return self.outcome
 
     async def run(self):
         await self._ended.wait()
@@ -149,6 +150,25 @@ async def test_what_was_under_way_awaits_a_person_and_what_was_planned_stays_so(
     assert "restarted" in english(found.reason)
     assert (await scene.sessions.get(planned)).state is SessionState.PLANNED
     assert (await scene.ledger.whole(running))[-1].entry.time_s == 7.0
+
+
+async def test_a_halt_that_holds_is_answered_although_its_answer_cannot_be_kept(scene, monkeypatch):
+    session_id, pause = await scene.planned(), OperatorCommand(CommandName.PAUSE, "Ada")
+    await scene.start(session_id)
+    holds = CommandOutcome("The session pauses, and that is on record later.", None)
+
+    async def refuse(session_id, key, answer):
+        raise RecordRefusedError("The disk is full.")
+
+    monkeypatch.setattr(scene.ledger, "keep_answer", refuse)
+    scene.runners[-1].outcome = holds
+
+    for _ in range(2):  # a client that gets no answer asks again
+        answer = await scene.desk.act(session_id, pause, RequestKey("tap-1", "pause"))
+        assert answer.sentence == holds.sentence
+    scene.runners[-1].outcome = CommandOutcome("Done.", 7)
+    with pytest.raises(RecordRefusedError):
+        await scene.desk.act(session_id, pause, RequestKey("tap-2", "pause"))
 
 
 async def test_a_service_that_cannot_write_ends_all_the_same(scene, caplog, monkeypatch):

@@ -135,6 +135,13 @@ class PendingHalts:
         """Whether anything waits for the ledger, so that nothing may move."""
         return self.owed is not None or self._logbook.trouble is not None
 
+    def owes(self, act: OperatorCommand) -> bool:
+        """Whether an act is the halt that holds without being on record, or its request sent again."""
+        owed = self.owed
+        # An equal halt without a key is another one: only what was owed is known to hold.
+        is_again = owed is not None and act.key is not None and (owed.key, owed.name) == (act.key, act.name)
+        return owed is act or is_again
+
     def owe(self, act: OperatorCommand) -> None:
         """Have a halt hold that was refused; where nothing could move it was not done."""
         # Something may be in motion, so that the halt has to hold. Where the session waits for a person

@@ -256,8 +256,7 @@ class SessionRunner(ABC, Generic[S]):
         try:
             return await self.act(act)
         except RecordRefusedError:
-            # The same act and not an equal one: only this one is known to hold.
-            if self._pending.owed is not act:
+            if not self._pending.owes(act):
                 raise
             return CommandOutcome(self._halts.not_on_record(act), None)
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+from dataclasses import replace
 
 import pytest
 
@@ -12,6 +13,7 @@ from tests.unit.service.sessions.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.tracker.runner import TrackerRunner
@@ -113,6 +115,23 @@ async def test_a_pause_that_cannot_be_recorded_takes_effect_and_can_be_resumed()
 
         assert await run.end() is SessionState.FINISHED
         assert states(run.cell)[-1] is SessionState.FINISHED
+
+
+async def test_the_request_of_a_halt_that_holds_gets_the_same_answer_again():
+    async with Run(full_at_motion=1) as run:
+        await run.confirm()
+        await refused(run)
+        pause = OperatorCommand(CommandName.PAUSE, "Eva", key="tap-1")
+        answers = [await run.runner.ask(replace(pause)) for _ in range(2)]
+        for other in (replace(pause, key="tap-2"), replace(pause, name=CommandName.ABORT)):
+            with pytest.raises(RecordRefusedError):
+                await run.runner.ask(other)
+
+        assert answers[0] == answers[1]
+        assert "cannot be written" in english(answers[0].sentence)
+        run.cell.journal.make_room()
+        await until(lambda: run.runner.state is SessionState.PAUSED)
+        assert states(run.cell).count(SessionState.PAUSED) == 1
 
 
 async def test_an_end_that_is_refused_while_nothing_moves_was_not_asked_for():
