@@ -247,8 +247,8 @@ class Arm:
         before = await self.read()
         await self._clock.sleep(_LOOK_TWICE_S)
         after = await self.read()
-        pairs = zip(before.joints_rad, after.joints_rad, strict=False)
-        if any(abs(second - first) > after.resolution_rad for first, second in pairs):
+        # Not the opposite comparison: an angle that is no number is not at rest.
+        if not _apart(before.joints_rad, after.joints_rad) <= after.resolution_rad:
             raise MotionForbiddenError(message("session.still_moving"))
 
     def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:

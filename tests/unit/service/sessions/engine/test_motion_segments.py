@@ -158,6 +158,25 @@ async def test_an_arm_outside_its_limits_may_be_brought_inside():
     assert robot.moves[-1] == TARGET
 
 
+@pytest.mark.parametrize("stated", [(math.nan, *START[1:]), START[:-1]], ids=["no number", "a joint less"])
+async def test_an_arm_that_does_not_say_where_all_its_joints_are_is_not_at_rest(stated):
+    robot, clock = await connected()
+    arm = await make_arm(robot, clock)
+    looks = iter((START, stated))
+    read = robot.read_joints
+
+    async def read_otherwise():
+        robot.joints = next(looks, START)
+        return await read()
+
+    robot.read_joints = read_otherwise
+
+    with pytest.raises(MotionForbiddenError, match="still moving"):
+        await arm.move(TARGET)
+
+    assert robot.moves == []
+
+
 async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
     cell = FakeCell()
     cell.robot.motion_guard = MotionGuard(longest_piece_s=1.0)
