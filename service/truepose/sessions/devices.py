@@ -1,7 +1,8 @@
 """The devices of the cell: opened by the drivers, connected on request, lent to one session at a time."""
 
 import asyncio
-from collections.abc import Sequence
+import contextlib
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -95,8 +96,7 @@ class DeviceRegistry:
 
         Raises UnknownDeviceError, DeviceInUseError, or what the driver raises.
         """
-        device = self._idle(name)
-        async with self._turns[name]:
+        async with self._turn(name) as device:
             try:
                 if not device.connected:
                     await device.connect()
@@ -109,8 +109,7 @@ class DeviceRegistry:
 
     async def disconnect(self, name: str) -> DeviceStatus:
         """Close the link; raises UnknownDeviceError, DeviceInUseError."""
-        device = self._idle(name)
-        async with self._turns[name]:
+        async with self._turn(name) as device:
             await device.close()
         return self.status(name)
 
@@ -214,13 +213,17 @@ class DeviceRegistry:
                 message("session.refused.unknown_device", device=name, known=known)
             ) from None
 
-    def _idle(self, name: str) -> Device:
+    @contextlib.asynccontextmanager
+    async def _turn(self, name: str) -> AsyncIterator[Device]:
+        """Have the link of a device that no session holds; raises UnknownDeviceError, DeviceInUseError."""
         mounted = self._find(name)
-        if self._session_id is not None:
-            raise DeviceInUseError(
-                message("session.refused.device_held", session=self._session_id, device=name)
-            )
-        return _link(mounted)
+        async with self._turns[name]:
+            # Asked once the turn has come: a session may have begun while the request before was done.
+            if self._session_id is not None:
+                raise DeviceInUseError(
+                    message("session.refused.device_held", session=self._session_id, device=name)
+                )
+            yield _link(mounted)
 
 
 def _link(mounted: MountedDevice) -> Device:
