@@ -189,30 +189,42 @@ def _last(record: TrackerRecord | ContactRecord) -> LastStop | None:
 FEWEST: Final = 11  # configurations; fewer identify nothing that a promise could rest on
 _WAITING: Final = 3
 _PATIENCE_S: Final = 60.0
+_REMEMBERED: Final = 8  # sessions
+_Basis: TypeAlias = tuple[tuple[float, ...], int]  # times of the readings, configurations that are left
 
 
 class Outlooks:
-    """Keeps the newest one of each session."""
+    """Keeps the newest one of each of the sessions that were asked about last."""
 
     def __init__(self, perform: Perform) -> None:
         self._perform = perform
         self._turns = Turns(at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
-        self._known: dict[int, tuple[tuple[int, int], SessionForecast]] = {}
+        self._known: dict[int, tuple[_Basis, SessionForecast]] = {}  # by session
 
     async def of(self, session: MeasuredSession, left: int) -> SessionForecast | None:
         """Return what a session promises, None before enough is measured; raises TrueposeError, BusyError."""
         if len(session.points) < FEWEST:
             return None
-        amounts = len(session.points), left
+        basis = _basis(session, left)
         async with self._turns.taken():
             # Looked up with the place taken: of two tablets that ask at once the second finds what the first
             # had computed.
             known = self._known.get(session.id)
-            if known is not None and known[0] == amounts:
+            if known is not None and known[0] == basis:
                 return known[1]
             found = cast(SessionForecast, await self._perform(OutlookTask(session, left), _nobody))
-            self._known[session.id] = amounts, found
+            self._known.pop(session.id, None)
+            self._known[session.id] = basis, found  # comes last
+            for forgotten in [*self._known][:-_REMEMBERED]:
+                del self._known[forgotten]
             return found
+
+
+def _basis(session: MeasuredSession, left: int) -> _Basis:
+    """Return what tells whether an outlook still holds."""
+    # The times and not the number of readings: one that is taken again leaves as many as before.
+    of_points = (point.time_s for point in session.points)
+    return (*of_points, *(taken.time_s for taken in session.fixed_nests)), left
 
 
 async def _nobody(fraction: float, doing: Text) -> None:
