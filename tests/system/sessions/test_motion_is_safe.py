@@ -39,7 +39,7 @@ class Guard:
 
     def __init__(self, cell: FakeCell) -> None:
         self.cell = cell
-        self.plan = make_plan(N_STOPS, registration_readings=1)
+        self.plan = make_plan(N_STOPS, registration_readings=2)
         self.runner = TrackerRunner(self.plan, cell.cell, cell.journal)
         self.running = asyncio.create_task(self.runner.run())
         self.stop_asked = False

@@ -302,7 +302,10 @@ class FixedNests:
         return np.array([reading.point_mm for reading in self._taken[fixed_nest, face]])
 
     async def register(self) -> None:
-        """Place the tracker in the world; raises AttentionNeededError where the certificate does not fit."""
+        """Place the tracker in the world.
+
+        Raises AttentionNeededError where the certificate does not fit, or nobody knows how good a reading is.
+        """
         numbers = range(1, len(self._certified) + 1)
         means = [nest_mean(self._points(n, 1), self._stated(n)) for n in numbers]
         registration = register(

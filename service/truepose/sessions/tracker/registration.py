@@ -21,6 +21,7 @@ from truepose.domain.robot import FixedNest
 from truepose.domain.session import Registration
 from truepose.kinematics.frames import cross_matrix, rigid_alignment
 from truepose.messages.message import Message, message
+from truepose.sessions.errors import AttentionNeededError
 
 VERIFIED_BELOW: Final = 5e-5  # standard uncertainty; 0.05 mm at 1 m would spoil every absolute figure
 
@@ -97,7 +98,8 @@ def scale_sentence(registration: Registration) -> Message:
     return message(verdict, off_ppm=off, u_ppm=u)
 
 
-_ENOUGH_TO_SCATTER = 5  # readings, to speak of a scatter at all
+_ENOUGH_TO_CONTRADICT = 5  # readings, for their scatter to speak against what is stated
+_FEWEST_THAT_SCATTER = 2
 _FAR_MORE = 2.0  # in variance: twenty readings show it by chance less than once in a million
 _SMALLEST_UNCERTAINTY_MM = 1e-6  # keeps the weights of a noise-free cell finite
 
@@ -113,21 +115,30 @@ class NestMean:
 def nest_mean(points_mm: FloatArray, stated_mm2: FloatArray) -> NestMean:
     """Mean of repeated readings and its covariance.
 
-    The instrument's own statement holds, unless the readings scatter far more than it says.
+    The instrument's own statement holds, unless five readings or more scatter far more than it says. Where it
+    states nothing their scatter speaks: S / n, with S the covariance of the n readings.
 
     Parameters
     ----------
     points_mm : ndarray, shape (n, 3)
     stated_mm2 : ndarray, shape (n, 3, 3)
         What the instrument states of each reading [mm2]; NaN where it states nothing.
+
+    Raises
+    ------
+    AttentionNeededError
+        One reading, of which nothing is stated: nobody knows how good it is.
     """
-    n = len(points_mm)
+    n, mean = len(points_mm), points_mm.mean(axis=0)
     stated = stated_mm2.mean(axis=0)
-    if n < _ENOUGH_TO_SCATTER:
-        return NestMean(points_mm.mean(axis=0), np.nan_to_num(stated) / n)
+    is_stated = bool(np.all(np.isfinite(stated)))
+    if is_stated and n < _ENOUGH_TO_CONTRADICT:
+        return NestMean(mean, stated / n)
+    if n < _FEWEST_THAT_SCATTER:
+        raise AttentionNeededError(message("session.nests.no_uncertainty"))
     scatter = np.cov(points_mm, rowvar=False)
-    holds = float(np.trace(scatter)) <= _FAR_MORE * float(np.trace(stated))  # False for NaN
-    return NestMean(points_mm.mean(axis=0), (stated if holds else scatter) / n)
+    holds = is_stated and float(np.trace(scatter)) <= _FAR_MORE * float(np.trace(stated))
+    return NestMean(mean, (stated if holds else scatter) / n)
 
 
 def register(

@@ -18,7 +18,7 @@ from truepose_drivers.errors import (
     NotInitialisedError,
 )
 
-PLAN = make_plan(4, reference_every=2, registration_readings=1, two_face_check=False)
+PLAN = make_plan(4, reference_every=2, registration_readings=2, two_face_check=False)
 FIXED_NESTS = 3
 ALL = tuple(stop.config for stop in PLAN.stops)
 FIRST = visit(PLAN, PLAN.stops[0])
@@ -135,7 +135,7 @@ async def killed_after(n_lines):
     return ended, before, [point.config for point in again.journal.points]
 
 
-@pytest.mark.parametrize("n_lines", range(0, 46, 3))
+@pytest.mark.parametrize("n_lines", range(0, 49, 3))
 async def test_a_session_that_is_killed_anywhere_measures_every_configuration_once(n_lines):
     ended, before, after = await killed_after(n_lines)
 

@@ -11,6 +11,7 @@ from tests.unit.service.sessions.tracker.fakes import FIXED_NESTS, TRACKER_AT
 from truepose.domain.cell import CertifiedLength
 from truepose.domain.robot import FixedNest
 from truepose.messages.catalogue import english
+from truepose.sessions.errors import AttentionNeededError
 from truepose.sessions.tracker.registration import nest_mean, register, scale_sentence, to_tracker, to_world
 
 
@@ -71,6 +72,22 @@ def test_what_the_instrument_states_is_the_covariance_of_the_mean(n):
     mean = nest_mean(points, np.broadcast_to(stated, (n, 3, 3)))
 
     assert mean.covariance_mm2 == pytest.approx(stated / n)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_a_few_readings_of_which_nothing_is_stated_speak_by_their_scatter(n):
+    points = 0.05 * np.random.default_rng(0).standard_normal((n, 3))
+
+    mean = nest_mean(points, np.full((n, 3, 3), math.nan))
+
+    assert mean.covariance_mm2 == pytest.approx(np.cov(points, rowvar=False) / n)
+    assert np.trace(mean.covariance_mm2) > 0.0
+
+
+@pytest.mark.parametrize("stated", [math.nan, math.inf])
+def test_one_reading_of_which_nothing_is_stated_is_refused(stated):
+    with pytest.raises(AttentionNeededError, match="at least two readings"):
+        nest_mean(np.zeros((1, 3)), np.full((1, 3, 3), stated))
 
 
 @pytest.mark.parametrize("stated", [1e-6, math.nan])
