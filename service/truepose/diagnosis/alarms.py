@@ -119,5 +119,7 @@ def _worth_mm(cause: CauseOverTime, diagnosis: Diagnosis) -> float | None:
 
 def _surely(sign: CauseObservation) -> float:
     """Return the share of an amplitude that its uncertainty leaves for sure."""
-    relative = (sign.standard_uncertainty or 0.0) / abs(sign.amplitude or 1.0)
+    if not sign.amplitude:
+        return 0.0
+    relative = (sign.standard_uncertainty or 0.0) / abs(sign.amplitude)
     return max(1.0 - _BAND * relative, 0.0)

@@ -79,6 +79,13 @@ def test_a_cause_that_may_have_been_there_before_is_no_alarm(ruled_out, changes)
     assert not raised(dated(1, SPRING, ruled_out=ruled_out), dated(2, AUTUMN, found))
 
 
+def test_of_a_cause_of_size_zero_nothing_is_sure():
+    """Its uncertainty may be anything beside it: 2e-4 mm of nothing are no share of it."""
+    found = backlash(0.0, 1e-4, worth=EffectSize(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
+
+    assert not raised(dated(1, SPRING, ruled_out=(LOOKED_FOR,)), dated(2, AUTUMN, found))
+
+
 def test_measurements_without_a_day_raise_nothing():
     found = backlash(0.045, worth=EffectSize(0.03, 0.05, 0.02), confidence=Confidence.CERTAIN)
 
