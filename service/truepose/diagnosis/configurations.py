@@ -296,7 +296,7 @@ class Separation:
     rows : tuple of int
         Of the places, in the order in which they were chosen.
     chi_square : ndarray, shape (R,)
-        Expected of each rival once they are measured.
+        Expected of each rival once they are measured; 0 of one that may be a curve of any shape.
     """
 
     rows: tuple[int, ...]
@@ -344,10 +344,12 @@ def separation(
     -------
     Separation
     """
-    duels = [_duel(selected, group, rival, places) for rival in rivals]
+    ways = [_ways(selected.pool, rival) for rival in rivals]
+    shaped = [number for number, own in enumerate(ways) if own]
+    duels = [_duel(selected, group, ways[number], places) for number in shaped]
     variance = reading_variance(selected.fit, repeats)
     reached, rows = np.zeros(len(duels)), list[int]()
-    for _ in range(_MOST):
+    for _ in range(_MOST if duels else 0):
         if len(rows) >= _FEWEST and (reached >= _ENOUGH).all():
             break
         added = np.stack([_added(duel, variance) for duel in duels])
@@ -359,7 +361,9 @@ def separation(
         reached = reached + added[:, best]
         rows.append(best)
         duels = [_measured(duel, best, variance) for duel in duels]
-    return Separation(tuple(rows), reached)
+    chi_square = np.zeros(len(rivals))
+    chi_square[shaped] = reached
+    return Separation(tuple(rows), chi_square)
 
 
 def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
@@ -377,12 +381,22 @@ def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
     return noise / repeats + lacking
 
 
-def _duel(selected: Selection, group: Sequence[Candidate], rival: Cause, places: Places) -> _Duel:
-    """Return a finding against one rival, before anything new is measured."""
+def _ways(pool: Pool, rival: Cause) -> list[int]:
+    """Return which candidates are ways in which a rival may act."""
+    return [
+        index
+        for index, candidate in enumerate(pool.all)
+        # A function of any shape mimics everything, and is refuted nowhere.
+        if Cause(candidate.effect, candidate.subject) == rival and not candidate.function
+    ]
+
+
+def _duel(selected: Selection, group: Sequence[Candidate], ways: Sequence[int], places: Places) -> _Duel:
+    """Return a finding against the ways in which one rival may act, before anything new is measured."""
     fit, pool, names = selected.fit, selected.pool, names_of(group)
     own = np.isin(fit.structure.names, names)
     effect = fit.values[own] @ fit.solution.final.jacobian[own]
-    index = _closest(pool, effect, names, rival)
+    index = _closest(pool, effect, names, ways)
     best = pool.all[index]
     widths = np.array([spec.prior_width for spec in best.specs])
     past = pool.normal.beside(pool.products.rows(pool.own(index)), widths, best.names).past(names)
@@ -396,24 +410,22 @@ def _duel(selected: Selection, group: Sequence[Candidate], rival: Cause, places:
     return _Duel(misfit, unit.reshape(*misfit.shape, -1))
 
 
-def _closest(pool: Pool, effect: FloatArray, names: tuple[str, ...], rival: Cause) -> int:
-    """Return the way in which the rival mimics an effect (m,) best, beside the parameters but `names`."""
+def _closest(pool: Pool, effect: FloatArray, names: tuple[str, ...], ways: Sequence[int]) -> int:
+    """Return the way that mimics an effect (m,) best, beside the parameters but `names`."""
     past = pool.normal.past(names)
     of_effect = past.absorbed(products_of(pool.fit, effect[None]))[0]
-    best, most = -1, -np.inf
-    for index, candidate in enumerate(pool.all):
-        if Cause(candidate.effect, candidate.subject) != rival or candidate.function:
-            continue  # a function of any shape mimics everything, and is refuted nowhere
+
+    def explained(index: int) -> float:
+        """Return the sum of squares of the effect that a candidate explains."""
         products = pool.products.rows(pool.own(index))
         absorbed = past.absorbed(products)
         towards = products.columns @ effect - absorbed @ of_effect
         gram = pool.grams[index] - absorbed @ absorbed.T
         # Under its prior: a rival must not mimic the finding by an amplitude beyond what is plausible.
-        gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
-        explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
-        if explained > most:
-            best, most = index, explained
-    return best
+        gram += np.diag([spec.prior_width**-2.0 for spec in pool.all[index].specs])
+        return float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
+
+    return max(ways, key=explained)
 
 
 def _columns_of(candidate: Candidate, places: Places) -> FloatArray:

@@ -1,12 +1,16 @@
 """Configurations that expose rivals, against least squares done the long way."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.configurations import drawn, measured_ranges, reading_variance, separation
+from truepose.diagnosis.screening.candidates import pooled
 from truepose.domain.diagnosis import Cause
+from truepose.effects.registry import CAUSES
 from truepose.identification.model.derivatives import (
     candidate_terms,
     position_jacobian,
@@ -109,3 +113,19 @@ def test_of_several_ways_in_which_a_rival_may_act_the_closest_is_taken():
     # Of a hundred orders the slowest bends least over the range, and is the best mimic of a line.
     assert closest.rows == slow.rows
     assert closest.chi_square == pytest.approx(slow.chi_square)
+
+
+def test_no_configuration_exposes_a_curve_of_any_shape(scene):
+    """It mimics everything, so it is left out; the others are exposed as if it were none."""
+    start, selected, places = scene
+    curve = next(one for one in CAUSES[RIVAL.effect].candidates(start.scene) if one.function)
+    assert Cause(curve.effect, curve.subject) != RIVAL
+    selected = replace(selected, pool=pooled(selected.fit, (*selected.pool.all, curve)))
+    any_shape = Cause(curve.effect, curve.subject)
+
+    alone = separation(selected, selected.picks, [RIVAL], places)
+    beside = separation(selected, selected.picks, [any_shape, RIVAL], places)
+    nothing_else = separation(selected, selected.picks, [any_shape], places)
+
+    assert (beside.rows, beside.chi_square.tolist()) == (alone.rows, [0.0, *alone.chi_square])
+    assert (nothing_else.rows, nothing_else.chi_square.tolist()) == ((), [0.0])
