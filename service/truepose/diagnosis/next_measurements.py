@@ -194,7 +194,9 @@ def next_measurements(
         if group and rivals:
             found += _by_configuration(_Duel(start, selected, group, own), rivals, places, rng)
     found += [_of_dependence(start, depends, places, rng) for depends in left.depends[:_TOLD]]
-    return (*found, _revisit(start)) if unseen else tuple(_once(found))
+    if unseen:
+        found.append(_revisit(start))
+    return tuple(_once(found))
 
 
 def _cause(finding: Finding) -> Cause:

@@ -240,3 +240,17 @@ def test_revisits_that_were_made_are_not_asked_for_again(start):
     again = replace(start, scene=replace(start.scene, stops=replace(start.scene.stops, repeat_of=repeat_of)))
 
     assert proposed(again, left=make_left(more_than_stated=True)) == ()
+
+
+@pytest.mark.parametrize("left", [make_left(), make_left(more_than_stated=True)])
+def test_two_waves_of_a_joint_are_told_from_their_rival_by_one_proposal(left):
+    """Of noise beyond what is stated revisits are asked for besides."""
+    start = make_start({"joint_harmonics": {"wave_4_1_sin": 2e-5, "wave_4_2_sin": 2e-5}})
+    waves = [(*WAVE[:2], f"wave_4_{order}_sin") for order in (1, 2)]
+    selected = make_selected(start, waves, [GAIN])
+    findings = tuple(make_finding(pick, GAIN) for pick in selected.picks)
+    groups = tuple((pick.subject, (pick,)) for pick in selected.picks)
+
+    proposals = next_measurements(start, selected, groups, findings, left)
+
+    assert len(proposals) == len(set(proposals)) == 1 + left.structure
