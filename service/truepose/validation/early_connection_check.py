@@ -66,6 +66,8 @@ class Accounts:
         Row of the pair at its stop; the number of pairs stands for nothing.
     asked : tuple of int
         Rows of the pairs that were asked for, in the order of the readings.
+    lengths_mm : tuple of float
+        What was read for them.
     stops : tuple of StopLengths
     first : tuple of int
         Reading with which each stop begins.
@@ -83,6 +85,7 @@ class Accounts:
     covariance: FloatArray
     taken: IntArray
     asked: tuple[int, ...] = ()
+    lengths_mm: tuple[float, ...] = ()
     stops: tuple[StopLengths, ...] = ()
     first: tuple[int, ...] = ()
     foreseen_mm: float = float("nan")
@@ -173,6 +176,7 @@ class Accounts:
             covariance=covariance,
             taken=np.concatenate([self.taken[account], pair[:, None]], axis=1),
             asked=(*self.asked, own),
+            lengths_mm=(*self.lengths_mm, length_mm),
             # From the accounts before the reading; those after it have adapted to it.
             foreseen_mm=self._foreseen(own),
         )
@@ -274,14 +278,13 @@ _OTHER: Final = float(np.log(0.1))  # ... whether it is another pair, or the pos
 _NEAR_MM: Final = 3.0  # a pair that is nominally further off the ballbar's length cannot be connected
 
 
-def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspicion | None:
+def judge_early(after: Accounts, *, complete: bool) -> Suspicion | None:
     """Judge the last reading by everything that was read before.
 
     Parameters
     ----------
     after : Accounts
         With the reading.
-    length_mm : float
     complete : bool
         It is the last one of its pose: then those before it at the same stop are judged once more.
 
@@ -294,7 +297,7 @@ def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspici
     right = taken[:, -1] == asked[-1]
     best, best_odds = _likeliest(taken[~right], odds[~right])
     if best is not None and best_odds >= _threshold(best, asked, after) + _total(odds[right]):
-        return _suspicion(after, best, asked, len(asked) - 1, length_mm)
+        return _suspicion(after, best, asked, len(asked) - 1)
     as_asked = (taken == asked).all(axis=1)
     if not complete or as_asked.all():
         return None
@@ -302,7 +305,7 @@ def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspici
     if odds[other] < _OTHER + _total(odds[as_asked]):
         return None
     wrong = int(np.flatnonzero(taken[other] != asked)[-1])
-    return _suspicion(after, taken[other], asked, wrong, length_mm)
+    return _suspicion(after, taken[other], asked, wrong)
 
 
 def refuted_stops(accounts: Accounts) -> tuple[int, ...]:
@@ -396,9 +399,7 @@ def _likeliest(taken: IntArray, odds: FloatArray) -> tuple[IntArray | None, floa
     return taken[chosen][int(np.argmax(odds[chosen]))], shares[number]
 
 
-def _suspicion(
-    after: Accounts, account: IntArray, asked: IntArray, reading: int, length_mm: float
-) -> Suspicion:
+def _suspicion(after: Accounts, account: IntArray, asked: IntArray, reading: int) -> Suspicion:
     """Return the suspicion that an account raises about one reading of the present stop."""
     pairs = after.here.pairs
     instead = int(account[reading])
@@ -407,7 +408,7 @@ def _suspicion(
         _kind(account, asked, instead, len(pairs)),
         pairs[int(asked[reading])],
         suspected,
-        length_mm,
+        after.lengths_mm[after.first[-1] + reading],
         after.foreseen_mm if reading == len(asked) - 1 else None,
     )
 

@@ -60,7 +60,7 @@ class EarlySession:
         for leg in pose.legs:
             length_mm = self._noisy(self.true_mm(pose, slips.get(leg, leg)))
             self.accounts = self.accounts.read(leg, length_mm)
-            asked[leg] = judge_early(self.accounts, length_mm, complete=leg == pose.legs[-1])
+            asked[leg] = judge_early(self.accounts, complete=leg == pose.legs[-1])
         return asked
 
     def _read_sides(self):

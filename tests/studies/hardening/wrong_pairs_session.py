@@ -106,7 +106,7 @@ class EarlyPose:
 
     def judge(self, leg, length_mm, kept):
         after = self.after(kept).read(leg, length_mm)
-        return judge_early(after, length_mm, complete=len(kept) + 1 == len(self._legs))
+        return judge_early(after, complete=len(kept) + 1 == len(self._legs))
 
     def after(self, kept):
         accounts = self._before

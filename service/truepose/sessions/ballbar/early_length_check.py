@@ -69,7 +69,7 @@ class EarlyJudge:
             return None
         lines = (*_lines(now, step), _Read(step.points, taken.length_mm, affirmed=False))
         complete = step.kind is StepKind.CONNECT_LEG and len(now.earlier_legs()) + 1 >= now.legs_of_the_pose()
-        return judge_early(self._after(lines), taken.length_mm, complete=complete)
+        return judge_early(self._after(lines), complete=complete)
 
     def alike(self, now: Situation) -> tuple[tuple[Leg, Leg], ...]:
         """Return the pairs of legs of the present pose whose exchange would not show; empty elsewhere."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.early_sessions import EarlySession
+from tests.helpers.ballbar.true_session import READING_U_MM
 from truepose.validation.early_connection_check import alike, refuted_stops
 
 FIRST, LATER = 0, 8  # poses: of which nothing is foreseen, and of which much is
@@ -90,6 +91,18 @@ def test_the_same_pair_twice_is_asked_about_in_the_first_pose(session):
 
     assert asked[pose.legs[3]].kind == "same_pair"
     assert asked[pose.legs[3]].suspected == pose.legs[1]
+
+
+def test_a_doubt_about_an_earlier_leg_carries_the_length_that_was_read_for_it():
+    session = EarlySession.of(seed=1)
+    pose = session.plan.placements[0].poses[FIRST]
+    first, second, last = (2, 2), (2, 3), pose.legs[-1]
+
+    suspicion = session.pose(pose, {first: second, second: first})[last]
+
+    assert (suspicion.kind, suspicion.asked) == ("exchanged", second)
+    # within five standard uncertainties of a reading; the last leg is 0.6 mm longer
+    assert suspicion.length_mm == pytest.approx(session.true_mm(pose, first), abs=5 * READING_U_MM)
 
 
 def test_an_exchange_that_could_not_be_seen_is_found_by_the_poses_after_it(session):
