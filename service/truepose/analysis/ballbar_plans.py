@@ -238,7 +238,13 @@ def _exchanged(counting: ValidReadings, forecasts: Sequence[PoseForecast], kit: 
     for forecast in forecasts:
         of_stop = [kept for kept in counting.legs if kept.stop == forecast.config]
         lengths = {kept.leg: kept.length.length_mm for kept in of_stop}
-        suspicions = judge_pose(lengths, forecast, reading_u_mm=kit.reading_u_mm, zero_u_mm=kit.zero_u_mm)
+        suspicions = judge_pose(
+            lengths,
+            forecast,
+            reading_u_mm=kit.reading_u_mm,
+            zero_u_mm=kit.zero_u_mm,
+            range_mm=kit.range_mm,
+        )
         if any(suspicion.suspected is not None for suspicion in suspicions):
             found.add(of_stop[0].config)
     return found

@@ -32,7 +32,6 @@ from truepose.validation.misconnections import (
 _WRONG_S = 1000.0  # cost of a wrong length that stays
 _ASK = float(np.log(10.0 / _WRONG_S))  # log of the odds of wrong against right above which a person is asked
 _REPEAT = float(np.log(60.0 / _WRONG_S))  # ... above which a pose is measured again
-_RANGE_MM = 1.0  # either way: what a ballbar can show of a pair that is none of those foreseen
 
 
 def judge_leg(
@@ -44,7 +43,7 @@ def judge_leg(
     reading_u_mm: float,
     zero_u_mm: float,
     nominal_mm: float,
-    range_mm: float = _RANGE_MM,
+    range_mm: float,
 ) -> Suspicion | None:
     """Judge one reading by what is foreseen and by what was read before at the same stop.
 
@@ -69,15 +68,11 @@ def judge_leg(
     Raises
     ------
     ConfigurationError
-        A length or an uncertainty is no number, or the forecast does not know a leg.
+        A length, an uncertainty or the range is no number, or the forecast does not know a leg.
     """
     # The asked leg comes last: it is the reading that is judged, and an earlier one of it is replaced.
     readings = {leg: length for leg, length in earlier.items() if leg != asked} | {asked: length_mm}
-    noise = _checked_noise(readings, reading_u_mm, zero_u_mm)
-    if not 0.0 < range_mm < np.inf:
-        raise ConfigurationError(f"The ballbar's range is {range_mm:g} mm; give it as a number above 0 mm.")
-    # An even distribution over -range to +range has the variance range^2 / 3.
-    spread = range_mm**2 / 3.0  # variance of a length that may be anywhere within the range
+    noise, spread = _checked_noise(readings, reading_u_mm, zero_u_mm), _checked_spread(range_mm)
     if forecast is None:
         foreseen = nothing_foreseen(tuple(readings), nominal_mm, noise, spread)
     else:
@@ -93,7 +88,12 @@ def judge_leg(
 
 
 def judge_pose(
-    lengths: Mapping[Leg, float], forecast: PoseForecast, *, reading_u_mm: float, zero_u_mm: float
+    lengths: Mapping[Leg, float],
+    forecast: PoseForecast,
+    *,
+    reading_u_mm: float,
+    zero_u_mm: float,
+    range_mm: float,
 ) -> tuple[Suspicion, ...]:
     """Judge all readings of one stop together: legs that changed places, and what was missed one by one.
 
@@ -102,7 +102,7 @@ def judge_pose(
     lengths : mapping of leg to length [mm]
     forecast : PoseForecast
         Of every pair; it may be made after the pose was measured.
-    reading_u_mm, zero_u_mm : float
+    reading_u_mm, zero_u_mm, range_mm : float
         As for `judge_leg`.
 
     Returns
@@ -118,8 +118,8 @@ def judge_pose(
     """
     if not lengths:
         return ()
-    noise = _checked_noise(lengths, reading_u_mm, zero_u_mm)
-    foreseen = foreseen_by(forecast, noise, _RANGE_MM**2 / 3.0)
+    noise, spread = _checked_noise(lengths, reading_u_mm, zero_u_mm), _checked_spread(range_mm)
+    foreseen = foreseen_by(forecast, noise, spread)
     assignments, odds = _judged(foreseen, lengths, questioned=True)
     likeliest = 1 + int(np.argmax(odds[1:]))
     if odds[likeliest] < _REPEAT + odds[0]:
@@ -141,6 +141,14 @@ def _checked_noise(readings: Mapping[Leg, float], reading_u_mm: float, zero_u_mm
     if not (np.isfinite(noise) and noise > 0.0):
         raise ConfigurationError("The uncertainty of a reading must be a number above 0 mm.")
     return noise
+
+
+def _checked_spread(range_mm: float) -> float:
+    """Return the variance of a length that may be anywhere within the range."""
+    if not 0.0 < range_mm < np.inf:
+        raise ConfigurationError(f"The ballbar's range is {range_mm:g} mm; give it as a number above 0 mm.")
+    # An even distribution over -range to +range has the variance range^2 / 3.
+    return range_mm**2 / 3.0
 
 
 def _judged(

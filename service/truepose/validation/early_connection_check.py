@@ -275,7 +275,7 @@ def _likeliest_pairs(log_odds: FloatArray) -> tuple[IntArray, IntArray]:
 # questioned, at 0.1 one in ten pairs read twice was missed (decision 0025).
 _AGAIN: Final = float(np.log(0.02))  # odds above which a person is asked whether a pair is read twice
 _OTHER: Final = float(np.log(0.1))  # ... whether it is another pair, or the pose is not as asked
-_NEAR_MM: Final = 3.0  # a pair that is nominally further off the ballbar's length cannot be connected
+_ARM_MM: Final = 2.0  # a pair that is nominally further out of the ballbar's range cannot be connected
 
 
 def judge_early(after: Accounts, *, complete: bool) -> Suspicion | None:
@@ -374,7 +374,7 @@ def indistinct(
 
 def _is_shown(here: Accounts, row: int) -> bool:
     """Whether the ballbar can be put between a pair at all."""
-    return bool(abs(here.here.nominal_mm[row] - here.nominal_mm) < _NEAR_MM)
+    return bool(abs(here.here.nominal_mm[row] - here.nominal_mm) < here.range_mm + _ARM_MM)
 
 
 def _threshold(account: IntArray, asked: IntArray, after: Accounts) -> float:

@@ -3,8 +3,8 @@
 from tests.helpers.ballbar.pose_device import CUPS, NESTS
 from tests.studies.ballbar_report.coded_stops import CODES_MM, READING_U_MM, ZERO_U_MM, StopMaker
 
-UNCERTAINTIES = {"reading_u_mm": READING_U_MM, "zero_u_mm": ZERO_U_MM}
-BALLBAR = {**UNCERTAINTIES, "nominal_mm": 300.0, "range_mm": 1.0}
+READINGS = {"reading_u_mm": READING_U_MM, "zero_u_mm": ZERO_U_MM, "range_mm": 1.0}
+BALLBAR = {**READINGS, "nominal_mm": 300.0}
 _MAKER = StopMaker(CUPS, NESTS)
 
 

@@ -108,7 +108,12 @@ class Course:
             length = stop.read(slips.get(leg, leg))
             self.doubts[leg] = _judged(leg, length, self.taken, stop.forecast)
             self.taken[leg] = length  # whatever is said to it: what follows is judged as if nobody listened
-        self.verdict = judge_pose(self.taken, stop.forecast, reading_u_mm=READING_U_MM, zero_u_mm=ZERO_U_MM)
+        self.verdict = judge_pose(
+            *(self.taken, stop.forecast),
+            reading_u_mm=READING_U_MM,
+            zero_u_mm=ZERO_U_MM,
+            range_mm=_RANGE_MM,
+        )
 
     @property
     def silent(self) -> bool:

@@ -124,11 +124,11 @@ class ForeseenPose:
 
     def judge(self, leg, length_mm, kept):
         earlier = {other: reading.length_mm for other, reading in kept.items()}
-        limits = {"nominal_mm": NOMINAL_MM, "range_mm": RANGE_MM}
-        doubt = judge_leg(leg, length_mm, earlier, self._forecast, **_NOISE, **limits)
+        known = {**_NOISE, "range_mm": RANGE_MM}
+        doubt = judge_leg(leg, length_mm, earlier, self._forecast, nominal_mm=NOMINAL_MM, **known)
         if doubt is not None or len(kept) + 1 < len(self._legs):
             return doubt
-        found = judge_pose({**earlier, leg: length_mm}, self._forecast, **_NOISE)
+        found = judge_pose({**earlier, leg: length_mm}, self._forecast, **known)
         return found[0] if found else None
 
 

@@ -107,7 +107,13 @@ class JudgePose(Protocol):
     """Looks at all lengths of a pose; see truepose.validation.connection_check."""
 
     def __call__(
-        self, lengths: Mapping[Leg, float], forecast: PoseForecast, *, reading_u_mm: float, zero_u_mm: float
+        self,
+        lengths: Mapping[Leg, float],
+        forecast: PoseForecast,
+        *,
+        reading_u_mm: float,
+        zero_u_mm: float,
+        range_mm: float,
     ) -> tuple[Suspicion, ...]:
         """Return which legs seem to be exchanged."""
         ...
@@ -246,5 +252,11 @@ def _judge_pose(
     if now.forecast is None or step.points is None or len(lengths) + 1 < now.legs_of_the_pose():
         return None
     lengths[step.points] = taken.length_mm
-    found = judges.pose(lengths, now.forecast, reading_u_mm=kit.reading_u_mm, zero_u_mm=kit.zero_u_mm)
+    found = judges.pose(
+        lengths,
+        now.forecast,
+        reading_u_mm=kit.reading_u_mm,
+        zero_u_mm=kit.zero_u_mm,
+        range_mm=kit.range_mm,
+    )
     return found[0] if found else None

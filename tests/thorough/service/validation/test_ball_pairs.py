@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from tests.helpers.ballbar.coded_stops import BALLBAR, READINGS, coded_stop
 from truepose.validation.connection_check import judge_leg, judge_pose
 
 
@@ -17,7 +17,7 @@ def test_of_many_coded_stops_wrong_connections_are_named_and_right_ones_left_alo
             length = stop.read(leg)
             questions += judge_leg(leg, length, taken, stop.forecast, **BALLBAR) is not None
             taken[leg] = length
-        assert judge_pose(taken, stop.forecast, **UNCERTAINTIES) == ()
+        assert judge_pose(taken, stop.forecast, **READINGS) == ()
         asked, connected = (stop.legs[k] for k in rng.choice(6, 2, replace=False))
         one = judge_leg(asked, stop.read(connected), {}, stop.forecast, **BALLBAR)
         singles += one is not None and one.suspected == connected

@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from tests.helpers.ballbar.coded_stops import BALLBAR, READINGS, coded_stop
 from truepose.validation.connection_check import judge_leg, judge_pose
 
 STOPS = 100
@@ -34,7 +34,7 @@ def counts():
             length = stop.read(leg)
             counts["questions"] += judge_leg(leg, length, taken, stop.forecast, **BALLBAR) is not None
             taken[leg] = length
-        counts["poses refused"] += bool(judge_pose(taken, stop.forecast, **UNCERTAINTIES))
+        counts["poses refused"] += bool(judge_pose(taken, stop.forecast, **READINGS))
         counts.update(_slips(stop, taken, rng))
     return counts
 
@@ -45,7 +45,7 @@ def _slips(stop, taken, rng):
     length = stop.read(connected)
     single = judge_leg(asked, length, first(taken, at), stop.forecast, **BALLBAR)
     if single is None:
-        single = next(iter(judge_pose(taken | {asked: length}, stop.forecast, **UNCERTAINTIES)), None)
+        single = next(iter(judge_pose(taken | {asked: length}, stop.forecast, **READINGS)), None)
     again = stop.legs[int(rng.integers(at + 1))]
     same = judge_leg(stop.legs[at + 1], stop.read(again), first(taken, at + 1), stop.forecast, **BALLBAR)
     two, three = ([stop.legs[k] for k in rng.choice(6, count, replace=False)] for count in (2, 3))
@@ -58,7 +58,7 @@ def _slips(stop, taken, rng):
 
 
 def _named(stop, taken, legs):
-    found = judge_pose(turned(taken, stop, legs), stop.forecast, **UNCERTAINTIES)
+    found = judge_pose(turned(taken, stop, legs), stop.forecast, **READINGS)
     wanted = {(leg, legs[k - 1]) for k, leg in enumerate(legs)}
     return {(one.asked, one.suspected) for one in found} == wanted
 

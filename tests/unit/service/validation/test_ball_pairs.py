@@ -4,7 +4,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES
+from tests.helpers.ballbar.coded_stops import BALLBAR, READINGS
 from truepose.domain.ballbar import PoseForecast
 from truepose.domain.errors import ConfigurationError
 from truepose.validation.connection_check import judge_leg, judge_pose
@@ -135,7 +135,7 @@ def test_a_forecast_that_knows_nothing_accuses_nobody():
     for leg, length in lengths.items():
         assert judge(leg, length, taken, blind) is None
         taken[leg] = length
-    assert judge_pose(lengths, blind, **UNCERTAINTIES) == ()
+    assert judge_pose(lengths, blind, **READINGS) == ()
 
 
 def test_a_forecast_that_knows_nothing_accuses_nobody_with_twelve_pairs_either():
@@ -143,16 +143,16 @@ def test_a_forecast_that_knows_nothing_accuses_nobody_with_twelve_pairs_either()
     blind = forecast(dict.fromkeys(legs, 300.0), u_mm=0.5)
     lengths = dict(zip(legs, 300.0 + 0.15 * (np.arange(12) - 5.5), strict=True))
 
-    assert judge_pose(lengths, blind, **UNCERTAINTIES) == ()
+    assert judge_pose(lengths, blind, **READINGS) == ()
 
 
 def test_six_legs_as_asked_are_judged_right():
-    assert judge_pose(CODED, EXACT, **UNCERTAINTIES) == ()
+    assert judge_pose(CODED, EXACT, **READINGS) == ()
 
 
 @pytest.mark.parametrize(("first", "second"), list(combinations(PATTERN, 2)))
 def test_two_exchanged_legs_of_a_pose_are_both_named(first, second):
-    suspicions = judge_pose(exchanged(CODED, first, second), EXACT, **UNCERTAINTIES)
+    suspicions = judge_pose(exchanged(CODED, first, second), EXACT, **READINGS)
 
     assert named(suspicions) == {(first, second, "exchanged"), (second, first, "exchanged")}
 
@@ -163,7 +163,7 @@ def test_three_legs_that_changed_places_are_all_named(three):
     for a, b, c in ((first, second, third), (first, third, second)):
         turned = CODED | {a: CODED[b], b: CODED[c], c: CODED[a]}
 
-        suspicions = judge_pose(turned, EXACT, **UNCERTAINTIES)
+        suspicions = judge_pose(turned, EXACT, **READINGS)
 
         assert named(suspicions) == {(a, b, "exchanged"), (b, c, "exchanged"), (c, a, "exchanged")}
 
@@ -171,7 +171,7 @@ def test_three_legs_that_changed_places_are_all_named(three):
 def test_all_six_legs_in_the_opposite_order_are_named():
     reversed_mm = dict(zip(PATTERN, reversed(CODED.values()), strict=True))
 
-    suspicions = judge_pose(reversed_mm, EXACT, **UNCERTAINTIES)
+    suspicions = judge_pose(reversed_mm, EXACT, **READINGS)
 
     assert named(suspicions) == {
         (one, other, "exchanged") for one, other in zip(PATTERN, reversed(PATTERN), strict=True)
@@ -179,22 +179,34 @@ def test_all_six_legs_in_the_opposite_order_are_named():
 
 
 def test_a_pair_read_twice_is_found_in_the_whole_pose_too():
-    suspicions = judge_pose(CODED | {(2, 3): CODED[1, 1] + 0.001}, EXACT, **UNCERTAINTIES)
+    suspicions = judge_pose(CODED | {(2, 3): CODED[1, 1] + 0.001}, EXACT, **READINGS)
 
     assert named(suspicions) == {((2, 3), (1, 1), "same_pair")}
 
 
 def test_a_length_of_nothing_is_found_in_the_whole_pose_too():
-    suspicions = judge_pose(CODED | {(2, 3): 301.0}, EXACT, **UNCERTAINTIES)
+    suspicions = judge_pose(CODED | {(2, 3): 301.0}, EXACT, **READINGS)
 
     assert named(suspicions) == {((2, 3), None, "unlikely")}
+
+
+@pytest.mark.parametrize(
+    ("range_mm", "found"), [(1.0, ((2, 3), (3, 3), "other_pair")), (5.0, ((2, 3), None, "unlikely"))]
+)
+def test_how_far_a_ballbar_reads_decides_whether_a_length_may_be_of_nothing(range_mm, found):
+    """Seven standard uncertainties from another pair, and 4 mm off: beyond one ballbar, within the other."""
+    other = forecast(CODED | FAR | {(3, 3): 305.05})
+
+    suspicions = judge_pose(CODED | {(2, 3): 304.7}, other, **READINGS | {"range_mm": range_mm})
+
+    assert named(suspicions) == {found}
 
 
 def test_two_independent_slips_are_both_named():
     near = forecast(CODED | FAR | {(3, 3): 300.98})
     wrong = CODED | {(1, 1): 300.98, (2, 3): CODED[2, 1]}
 
-    suspicions = judge_pose(wrong, near, **UNCERTAINTIES)
+    suspicions = judge_pose(wrong, near, **READINGS)
 
     assert named(suspicions) == {((1, 1), (3, 3), "other_pair"), ((2, 3), (2, 1), "same_pair")}
 
@@ -204,8 +216,8 @@ def test_legs_whose_forecasts_are_alike_may_be_exchanged_unseen():
     alike = forecast(dict.fromkeys(PATTERN, 300.0) | FAR, u_mm=0.06)
     lengths = dict(zip(PATTERN, (300.05, 299.97, 300.02, 299.92, 300.08, 299.99), strict=True))
 
-    assert judge_pose(lengths, alike, **UNCERTAINTIES) == ()
-    assert judge_pose(exchanged(lengths, (1, 1), (2, 2)), alike, **UNCERTAINTIES) == ()
+    assert judge_pose(lengths, alike, **READINGS) == ()
+    assert judge_pose(exchanged(lengths, (1, 1), (2, 2)), alike, **READINGS) == ()
 
 
 def test_more_than_six_legs_are_judged_together():
@@ -213,13 +225,13 @@ def test_more_than_six_legs_are_judged_together():
     lengths = dict(zip(legs, 299.2 + 0.2 * np.arange(9), strict=True))
     foreseen = forecast(lengths, u_mm=0.03)
 
-    assert judge_pose(lengths, foreseen, **UNCERTAINTIES) == ()
-    suspicions = judge_pose(exchanged(lengths, (1, 1), (3, 3)), foreseen, **UNCERTAINTIES)
+    assert judge_pose(lengths, foreseen, **READINGS) == ()
+    suspicions = judge_pose(exchanged(lengths, (1, 1), (3, 3)), foreseen, **READINGS)
     assert named(suspicions) == {((1, 1), (3, 3), "exchanged"), ((3, 3), (1, 1), "exchanged")}
 
 
 def test_of_no_reading_nothing_is_judged():
-    assert judge_pose({}, EXACT, **UNCERTAINTIES) == ()
+    assert judge_pose({}, EXACT, **READINGS) == ()
 
 
 def test_what_was_foreseen_too_surely_is_questioned_less_with_every_reading():
@@ -240,7 +252,7 @@ def test_a_length_that_is_no_number_is_refused(length):
     with pytest.raises(ConfigurationError, match="B2 T1 is no number"):
         judge((1, 1), 300.0, {(2, 1): length})
     with pytest.raises(ConfigurationError, match="B1 T1 is no number"):
-        judge_pose(CODED | {(1, 1): length}, EXACT, **UNCERTAINTIES)
+        judge_pose(CODED | {(1, 1): length}, EXACT, **READINGS)
 
 
 def test_a_leg_that_the_forecast_does_not_know_is_refused():
@@ -252,6 +264,8 @@ def test_a_leg_that_the_forecast_does_not_know_is_refused():
 def test_a_ballbar_without_a_range_is_refused(range_mm):
     with pytest.raises(ConfigurationError, match="range"):
         judge_leg((1, 1), 300.0, {}, None, **{**BALLBAR, "range_mm": range_mm})
+    with pytest.raises(ConfigurationError, match="range"):
+        judge_pose(CODED, EXACT, **READINGS | {"range_mm": range_mm})
 
 
 @pytest.mark.parametrize("u_mm", [0.0, np.nan])

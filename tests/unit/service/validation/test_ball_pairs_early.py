@@ -1,11 +1,12 @@
 """Wrong connections before a pre-calibration: asked about from what was read so far, or found later."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.early_sessions import EarlySession
+from tests.helpers.ballbar.early_sessions import KIT, EarlySession
 from tests.helpers.ballbar.true_session import READING_U_MM
 from truepose.validation.early_connection_check import alike, refuted_stops
 
@@ -145,3 +146,14 @@ def test_legs_that_cannot_be_told_apart_are_said_beforehand(session):
 
     assert len(unseen_at_first) == 15  # every two of six legs
     assert len(unseen_later) < 5
+
+
+def test_only_pairs_within_reach_of_the_ballbar_may_be_exchanged_unseen(session):
+    stop = session.beforehand.poses(1, np.array([session.plan.placements[0].poses[FIRST].joints_rad]))[0]
+    first, second = session.plan.placements[0].poses[FIRST].legs[:2]
+    moved = np.isin(np.arange(len(stop.pairs)), [stop.pairs.index(leg) for leg in (first, second)])
+    stop = replace(stop, nominal_mm=np.where(moved, KIT.base_bars.nominal_mm + 4.0, stop.nominal_mm))
+    here = session.accounts.at(stop)
+
+    assert (first, second) not in alike(here)
+    assert (first, second) in alike(replace(here, range_mm=5.0))

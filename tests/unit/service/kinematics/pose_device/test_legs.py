@@ -6,7 +6,7 @@ from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Fixtures, Pose, foreseen, linear_legs
 from truepose.validation.connection_check import judge_pose
 
-UNCERTAINTIES = {"reading_u_mm": 0.00051, "zero_u_mm": 0.0015}
+READINGS = {"reading_u_mm": 0.00051, "zero_u_mm": 0.0015, "range_mm": 1.0}
 
 
 def moved(pose, step):
@@ -75,10 +75,10 @@ def test_nine_legs_tell_exchanged_ones_without_any_model_of_the_robot():
     right = dict(zip(ALL_LEGS, lengths(attained, ALL_LEGS), strict=True))
     first, second = sorted(right, key=right.get)[3:5]  # in the middle, tenths of a millimetre apart
 
-    suspicions = judge_pose(right | {first: right[second], second: right[first]}, stated, **UNCERTAINTIES)
+    suspicions = judge_pose(right | {first: right[second], second: right[first]}, stated, **READINGS)
 
     assert abs(right[first] - right[second]) < 3.0
-    assert judge_pose(right, stated, **UNCERTAINTIES) == ()
+    assert judge_pose(right, stated, **READINGS) == ()
     assert {(one.asked, one.suspected) for one in suspicions} == {(first, second), (second, first)}
 
 
@@ -87,4 +87,4 @@ def test_six_legs_at_a_pose_that_is_commanded_to_2_mm_only_cannot_tell():
     stated = foreseen(1, Fixtures(CUPS, NESTS), assembly.pose, np.diag([4.0] * 3 + [1e-4] * 3))
     exchanged = dict(zip(assembly.legs, (300.5, 299.5, 300.1, 300.2, 299.9, 299.7), strict=True))
 
-    assert judge_pose(exchanged, stated, **UNCERTAINTIES) == ()
+    assert judge_pose(exchanged, stated, **READINGS) == ()
