@@ -122,13 +122,14 @@ _LADDER: Final = (Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRAT
 
 
 def reaches(role: Role, least: Role) -> bool:
-    """Say whether a role stands at another or above it; a program's role stands on no rung.
+    """Say whether a role stands at another or above it; a program's stands on no rung, and at itself alone.
 
     Parameters
     ----------
     role, least : Role
     """
-    return role in _LADDER and _LADDER.index(role) >= _LADDER.index(least)
+    rungs = role in _LADDER and least in _LADDER
+    return role is least or (rungs and _LADDER.index(role) > _LADDER.index(least))
 
 
 def lesser(one: Role, other: Role) -> Role:

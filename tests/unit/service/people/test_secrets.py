@@ -104,5 +104,9 @@ def test_a_service_that_starts_in_1970_goes_on_from_its_newest_record():
 
 def test_a_device_stands_on_no_rung():
     assert not reaches(Role.DEVICE, Role.VIEWER)
+    assert not reaches(Role.DEVICE, Role.PLANT)
+    assert not reaches(Role.ADMINISTRATOR, Role.DEVICE)
+    assert reaches(Role.DEVICE, Role.DEVICE)
+    assert [reaches(Role.OPERATOR, least) for least in Role] == [True, True, False, False, False, False]
     assert lesser(Role.DEVICE, Role.ADMINISTRATOR) is Role.DEVICE
     assert lesser(Role.METROLOGIST, Role.VIEWER) is Role.VIEWER
