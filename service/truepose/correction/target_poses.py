@@ -80,9 +80,12 @@ def check_rotations(rotation: FloatArray) -> None:
     Raises
     ------
     ConfigurationError
-        A matrix is not orthonormal to 1e-6, or left-handed; the first such row is named.
+        A matrix is not orthonormal to 1e-6, not finite, or left-handed; the first such row is named.
     """
-    wrong = np.abs(rotation @ np.swapaxes(rotation, 1, 2) - np.eye(3)).max(axis=(1, 2)) > _ORTHONORMAL
+    with np.errstate(invalid="ignore"):  # of infinity too the result is NaN
+        off = np.abs(rotation @ np.swapaxes(rotation, 1, 2) - np.eye(3)).max(axis=(1, 2))
+    # NaN compares false with every limit: it must not pass as being below it.
+    wrong = ~(off <= _ORTHONORMAL)
     if wrong.any():
         raise ConfigurationError(
             f"The orientation of row {int(np.argmax(wrong))} is no rotation: its axes are not of length 1 "

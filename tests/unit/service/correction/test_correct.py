@@ -302,6 +302,15 @@ def test_a_frame_of_the_wrong_hand_is_refused_with_its_row():
         of_poses(pose, 6)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1.1])
+def test_what_is_no_rotation_is_refused_with_its_row(value):
+    pose = np.tile(np.eye(4), (3, 1, 1))
+    pose[1, 0, 0] = value
+
+    with pytest.raises(ConfigurationError, match="row 1 is no rotation"):
+        of_poses(pose, 6)
+
+
 def test_how_far_joints_turn_from_the_controllers_own_answer_is_told():
     model = model_of(IRB_120, *plain_parameters(IRB_120))
     usual, singular = configurations(20, 11), configurations(20, 12)
