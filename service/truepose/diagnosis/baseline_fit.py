@@ -22,6 +22,7 @@ from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import RobustFit, counted_fit, robust_fit
 from truepose.identification.model.evaluation import State, rows_of
+from truepose.identification.model.structure import Structure, anchor_places
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict import status as verdict
 from truepose.messages.message import Text, together
@@ -84,7 +85,17 @@ def scene_at(problem: Problem, state: State, reference_s: FloatArray) -> Scene:
         initialisation=state.targets.initialisation,
         placement=state.targets.placement,
         instrument_mm=structure.instrument_mm,
+        fixtures_mm=_fixtures_mm(structure, state.values),
     )
+
+
+def _fixtures_mm(structure: Structure, values: FloatArray) -> dict[int, FloatArray]:
+    """Return the middle of the base nests of each placement (3,) [mm], world; empty without lengths."""
+    if not structure.anchors:
+        return {}
+    places = anchor_places(structure, values)
+    placement = np.array([placement for placement, _ in structure.anchors])
+    return {number: places[placement == number].mean(axis=0) for number in placement.tolist()}
 
 
 NUISANCE = effects_with(Trait.NUISANCE)  # a diagnosis needs them, no model keeps them

@@ -9,7 +9,8 @@ Amplitudes are lengths of fitted vectors v with covariance C, less what noise ad
     |v|^2 - (tr C - u^2)        u^2 = v^T C v / |v|^2, the variance along v
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -60,6 +61,8 @@ class Scene:
         Where jumps are looked for: every gap between two moments is tried; None: some, anywhere.
     instrument_mm : ndarray, shape (3,), or None
         Its place in the world; None: unknown.
+    fixtures_mm : mapping of int to ndarray, shape (3,)
+        Of each placement, in the world: the middle of the base nests that lengths were read from.
     """
 
     setting: Setting
@@ -79,6 +82,7 @@ class Scene:
     gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world
     between_s: tuple[float, float] | None = None  # jumps: every gap there is tried; None: some, anywhere
     instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
+    fixtures_mm: Mapping[int, FloatArray] = field(default_factory=dict)  # (3,) by placement, world
 
     @property
     def turning(self) -> tuple[int, ...]:

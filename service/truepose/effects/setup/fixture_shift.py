@@ -2,12 +2,12 @@
 
 A fixture that is placed anew is a new one; here all its nests move together, once, from a moment on. The
 parameters are about the world's origin, the amplitude is that of the fixture about where it stands: at the
-middle of the tool's places that were read from it, a leg away.
+middle of its nests.
 """
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, distinct_values
+from truepose.domain.arrays import distinct_values
 from truepose.domain.diagnosis import Detail
 from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature, varied
 from truepose.effects.motions import (
@@ -81,11 +81,10 @@ class FixtureShift:
     def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the fixture moved, and when; of several moves the largest is the amplitude."""
         placement = int(subject.split()[1])
-        centre_mm = _centre_mm(scene, placement)
         prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
         # About the world's origin a small turn shifts the fixture by metres times it; people ask how far it
         # moved itself.
-        motions = [_of(fitted, prefix).seen_at(centre_mm) for prefix in prefixes]
+        motions = [_of(fitted, prefix).seen_at(scene.fixtures_mm[placement]) for prefix in prefixes]
         largest = int(np.argmax([motion.shift[0] for motion in motions]))
         amplitude, uncertainty = motions[largest].shift
         details = [
@@ -128,13 +127,3 @@ def _when(scene: Scene, placement: int, prefix: str) -> Detail:
     found = _gaps(scene, placement)
     width_s = around(found, time_s).width_s if found else 0.0
     return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
-
-
-def _centre_mm(scene: Scene, placement: int) -> FloatArray:
-    """Return the middle of where the tool was read from this placement: the fixture is a leg away from it.
-
-    Shape (3,), world. Of a motion about the world's origin a turn alone shifts everything by metres times it.
-    """
-    flange = scene.chain.end_origin
-    here = slice(None) if scene.placement is None else scene.placement == placement
-    return np.asarray(flange[here].mean(axis=0))

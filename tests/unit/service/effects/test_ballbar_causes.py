@@ -9,7 +9,6 @@ from tests.helpers.diagnosis.leg_scenes import (
     CADENCE_S,
     LEG_START,
     PER_INITIALISATION,
-    PER_PLACEMENT,
     N,
     leg_scene,
     telling_legs,
@@ -158,8 +157,9 @@ def test_a_fixture_acts_through_its_own_placement_from_its_time_on():
 
 def test_a_fixture_is_shown_to_move_as_far_as_it_does_where_it_stands():
     here = leg_scene()
-    centre = here.chain.end_origin[:PER_PLACEMENT].mean(axis=0)
+    centre = here.fixtures_mm[1]
     turn = np.array([0.0, 0.0, 2e-4])
+    assert centre == pytest.approx([250.0, -450.0, -80.0], abs=5.0)  # the base nest, as lengths place it
     names = CAUSES["fixture_shift"].candidates(here)[0].names
     about_centre = np.concatenate([np.array([0.05, 0.0, 0.0]) - np.cross(turn, centre), turn])
 
