@@ -22,6 +22,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.robot import LinkMass, Robot
+from truepose.domain.singular_covariance import whitening_root
 from truepose.effects.causes import FittedCause, Limits, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Term
 from truepose.kinematics.frames import cross
@@ -209,8 +210,10 @@ def _from_data(
     widths : ndarray, shape (k,)
     """
     # In units of the priors' widths: kilograms and kilogram-millimetres have one scale, and so has rounding.
-    precision = widths[:, None] * np.linalg.inv(covariance) * widths
-    size, direction = np.linalg.eigh(0.5 * (precision + precision.T))
+    # By a root of the inverse: a quantity that is known exactly leaves a covariance without one.
+    root = whitening_root(covariance / np.outer(widths, widths))
+    precision = root.T @ root
+    size, direction = np.linalg.eigh(precision)
     gained = np.maximum(size - 1.0, 0.0)  # along directions that the data do not see, rounding may go below
     # Along the others the vector is rounding as well, and would be blown up by the belief that comes to it.
     seen = gained > 0.0

@@ -147,6 +147,21 @@ def test_where_only_a_moment_is_seen_the_mass_takes_the_share_of_it_that_is_beli
     assert wrong.shift_mm[0] == pytest.approx(140.0 * centre / (mass + centre) / 4.2, rel=1e-3)
 
 
+def test_a_moment_that_is_known_exactly_is_shared_out_like_one_that_is_known_well():
+    stated = LinkMass(2, 4.2, (140.0, 0.0, 0.0))
+    specs = mass_specs(("m", "x", "y", "z"), stated)
+    moment = np.array([0.0, 1.0, 0.0, 0.0])
+    well = posterior(specs, 140.0 * moment, 1e4 * np.outer(moment, moment))
+    exact = well.covariance * np.outer(1.0 - moment, 1.0 - moment)
+
+    wrong = wrong_mass(well._replace(covariance=exact), specs, stated)
+
+    known = wrong_mass(well, specs, stated)
+    assert wrong.extra_kg == pytest.approx(known.extra_kg, rel=1e-3)
+    assert wrong.extra_spread_kg == pytest.approx(known.extra_spread_kg, rel=1e-3)
+    assert wrong.shift_mm == pytest.approx(known.shift_mm, rel=1e-3, abs=1e-9)
+
+
 def test_data_that_see_nothing_of_a_mass_leave_belief():
     stated = LinkMass(6, 2.0, (0.0, 0.0, 100.0))
     specs = mass_specs(("m", "x", "y", "z"), stated)
