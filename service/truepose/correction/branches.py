@@ -183,7 +183,7 @@ def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> SearchE
     goals : Goals
         n of them.
     branch : ndarray of int, shape (n,)
-        Numbered as in `kinematics.inverse`.
+        Numbered as in `kinematics.inverse`, of an arm that has such numbers.
 
     Returns
     -------
@@ -197,7 +197,8 @@ def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> SearchE
 def attain_from_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> SearchEnd:
     """Search goals from one branch each, and from those that meet it, wherever that ends.
 
-    Parameters and result as of `attain_branch`.
+    Parameters and result as of `attain_branch`; of an arm without numbered branches a branch is the place
+    among the answers of the search.
     """
     arm = NominalArm(estimate)
     return _attain_from(arm, goals, branch, _BESIDE if arm.has_branches else _OWN, lambda _, found: found)

@@ -24,7 +24,7 @@ from truepose.identification.model.estimates import (
     identified_estimate,
 )
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.inverse import branch_of
+from truepose.kinematics.inverse import branch_of, check_branches
 
 _AT_ONCE: Final = 10_000  # goals; their derivatives take some tens of megabytes
 
@@ -50,11 +50,13 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     Raises
     ------
     ConfigurationError
-        Another number of joints, an unknown nest, or measured torques that the model needs are missing.
+        Another number of joints, an unknown nest, a branch that the arm does not have, or measured torques
+        that the model needs are missing.
     """
     asked = np.full(len(goals), ANY_BRANCH) if branch is None else branch
     check_stops(model, goals.stops)
     check_nests(model, goals.nest[goals.nest != FLANGE])
+    check_branches(model.robot, asked[~_told(goals) & (asked != ANY_BRANCH)])
     estimate = with_flange(identified_estimate(model))
     # Before the table is split: the last move to a target is from the one before it in time.
     stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
@@ -185,7 +187,7 @@ def numbered_nests(model: Model, nest: IntArray) -> IntArray:
 
 def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) -> Corrections:
     """Correct some goals: near joints that are told, in a branch that is asked for, else in any."""
-    told = np.asarray(np.isfinite(goals.stops.joints_rad).all(axis=1))
+    told = _told(goals)
     found = _from_told(estimate, goals, told)
     rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
     # Where a branch was asked for, an answer in another one is none (docs/decisions/0071): the posture is
@@ -194,6 +196,11 @@ def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) ->
     rows = np.flatnonzero(~told & (asked == ANY_BRANCH))
     found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows), _measured(model)))
     return judged(model, estimate, goals, found, told)
+
+
+def _told(goals: Goals) -> BoolArray:
+    """Say which goals tell joints to begin from, shape (n,)."""
+    return np.asarray(np.isfinite(goals.stops.joints_rad).all(axis=1))
 
 
 def _measured(model: Model) -> Ranges:

@@ -264,9 +264,7 @@ def one_branch(robot: Robot, pose: FloatArray, branch: IntArray) -> FloatArray:
     ConfigurationError
         The arm has no closed form, hence no numbered branches.
     """
-    form = _form_of(robot)
-    if form is None:
-        raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    form = _numbered_form(robot)
     # Bits of the number, each on its own axis of length 1: the closed forms then work out this branch alone,
     # an eighth of the work of all of them.
     which = Branches(*((branch >> bit & 1)[None, None, None] for bit in (2, 1, 0)))
@@ -292,13 +290,34 @@ def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
     ConfigurationError
         The arm has no closed form, hence no numbered branches.
     """
-    form = _form_of(robot)
-    if form is None:
-        raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    form = _numbered_form(robot)
     # From the angles, not from a pose: at given joints the branch is read off the sides of the arm's
     # triangle, and no inverse has to be compared.
     back, down, flip = form.branches(robot, nominal_values(robot, joints_rad).theta_rad)
     return np.asarray(4 * back + 2 * down + flip, dtype=np.int64)
+
+
+def check_branches(robot: Robot, branch: IntArray) -> None:
+    """Refuse numbers of branches that an arm does not have.
+
+    Parameters
+    ----------
+    robot : Robot
+    branch : ndarray of int, shape (n,)
+
+    Raises
+    ------
+    ConfigurationError
+        The arm has no closed form, hence no numbered branches; or a number is not in 0..7.
+    """
+    if not len(branch):
+        return
+    _numbered_form(robot)
+    unknown = branch[(branch < 0) | (branch >= BRANCHES)]
+    if len(unknown):
+        raise ConfigurationError(
+            f"Branch {int(unknown[0])} is unknown: branches are numbered from 0 to {BRANCHES - 1}."
+        )
 
 
 def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArray, BoolArray]:
@@ -325,6 +344,14 @@ def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tu
     turned = joints_rad - 2 * np.pi * np.round((joints_rad - (low + high) / 2) / (2 * np.pi))
     within: BoolArray = np.all((turned >= low) & (turned <= high), axis=1)
     return turned, within
+
+
+def _numbered_form(robot: Robot) -> _Form:
+    """Return the closed form of an arm; raises ConfigurationError where it has none."""
+    form = _form_of(robot)
+    if form is None:
+        raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    return form
 
 
 def _closed_form(

@@ -109,6 +109,25 @@ def test_all_branches_of_a_goal_are_reached_where_they_are_within_the_limits():
     assert_there(model, goals, found)
 
 
+@pytest.mark.parametrize("branch", [8, 9, -2])
+def test_a_branch_that_no_arm_has_is_refused(branch):
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+    goals = plain_goals(model, 3)
+
+    with pytest.raises(ConfigurationError, match=f"^Branch {branch} is unknown"):
+        correct(model, goals, np.array([0, branch, ANY_BRANCH]))
+
+
+def test_an_arm_without_numbered_branches_is_asked_for_none():
+    model = model_of(LOADED_SEVEN_AXES, *plain_parameters(LOADED_SEVEN_AXES))
+    joints = np.random.default_rng(9).uniform(0.3, 1.2, (3, 7))
+    stops, nest = Stops(np.arange(3), joints), np.ones(3, dtype=np.int64)
+
+    with pytest.raises(ConfigurationError, match="has no numbered branches"):
+        correct(model, goals_at(model, stops, nest), np.array([ANY_BRANCH, 0, ANY_BRANCH]))
+    assert correct(model, goals_at(model, stops, nest, joints), np.zeros(3, dtype=np.int64)).solved.all()
+
+
 def test_without_a_wish_the_branch_is_that_of_the_calibration():
     model = model_of(IRB_120, *plain_parameters(IRB_120))
 
