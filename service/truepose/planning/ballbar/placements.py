@@ -186,15 +186,24 @@ class _Search:
         return predicted_error_mm(known, self.sample)
 
     def best(self, pool: Sequence[Candidates], rng: np.random.Generator) -> list[Candidates]:
-        """Return the best of several sets of places, each refined."""
+        """Return the best of several sets of places, each refined.
+
+        Raises TooFewCandidatesError where no place lets the arm hold the setting ball at every cup.
+        """
         ranked = sorted(pool, key=lambda own: self.error_mm([own]))
-        starts = [self.greedy(ranked, ranked[k:]) for k in range(min(self.wish.starts, max(1, len(ranked))))]
+        each = (self.greedy(ranked, ranked[k:]) for k in range(self.wish.starts))
+        starts = [start for start in each if start is not None]
+        if not starts:
+            raise TooFewCandidatesError(
+                "From none of the places that were tried can the arm hold the setting ball at every cup: "
+                "widen the joint ranges."
+            )
         return min((self.refined(start, rng) for start in starts), key=self.error_mm)
 
-    def greedy(self, pool: Sequence[Candidates], first: Sequence[Candidates]) -> list[Candidates]:
+    def greedy(self, pool: Sequence[Candidates], first: Sequence[Candidates]) -> list[Candidates] | None:
         """Return the first usable of `first`, then the place that goes best with those before.
 
-        Raises TooFewCandidatesError where from none of them the arm can hold the setting ball at every cup.
+        None where from none of them the arm can hold the setting ball at every cup.
         """
         chosen: list[Candidates] = []
         for place in range(self.wish.placements):
@@ -203,10 +212,7 @@ class _Search:
             ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own])) if place else first
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
-                raise TooFewCandidatesError(
-                    "From none of the places that were tried can the arm hold the setting ball at every cup: "
-                    "widen the joint ranges."
-                )
+                return None
             chosen.append(best)
         return chosen
 

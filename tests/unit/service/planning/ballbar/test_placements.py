@@ -56,6 +56,13 @@ def test_the_same_seed_gives_the_same_place():
     assert first.fixtures[0].frame == second.fixtures[0].frame
 
 
+def test_a_place_that_holds_no_setting_ball_ends_no_search_that_found_others():
+    # The last of its 13 usable places does not hold the ball at every cup.
+    request = PlacementRequest(poses=10, draws=24, moves=0, starts=13)
+
+    assert suggest(CELL, request).usable == 13
+
+
 def test_more_poses_than_any_place_offers_are_refused():
     with pytest.raises(TooFewCandidatesError, match="places that were tried can 500"):
         suggest(CELL, PlacementRequest(poses=500, draws=10, moves=0))
