@@ -33,6 +33,7 @@ from truepose.planning.ballbar.expected_information import (
     with_placement,
 )
 from truepose.planning.ballbar.poses import ReachablePoses, reach
+from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
 from truepose.planning.observability import best_first
 
@@ -182,6 +183,25 @@ def candidates(
     return _with_rows(model, fixture, found, setups)
 
 
+def require_candidates(placements: Sequence[Candidates]) -> None:
+    """Raise where nothing can be measured from a placement: its cups would be clamped for nothing.
+
+    Parameters
+    ----------
+    placements : sequence of Candidates
+
+    Raises
+    ------
+    TooFewCandidatesError
+    """
+    for own in placements:
+        if not len(own):
+            raise TooFewCandidatesError(
+                f"No configuration can be measured from placement {own.fixture.number}: place the base "
+                "fixture elsewhere, or let the program suggest a place."
+            )
+
+
 def of_candidates(
     model: ArmModel, offer: Candidates, setups: Sequence[PlannedSetup] | None = None
 ) -> Candidates:
@@ -204,12 +224,11 @@ def of_candidates(
 def _with_rows(
     model: ArmModel, fixture: BaseFixture, found: ReachablePoses, setups: Sequence[PlannedSetup] | None
 ) -> Candidates:
-    legs = [assembly.legs for assembly in found.assembly]
     joints = None if setups is None else np.array([setup.joints_rad for setup in setups])
     return Candidates(
         fixture,
         found,
-        pose_rows(model, fixture.cups_mm, found.joints_rad, legs),
+        pose_rows(model, fixture.cups_mm, found.joints_rad, found.legs),
         setting_information(model, fixture.cups_mm, joints),
     )
 

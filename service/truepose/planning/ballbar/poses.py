@@ -55,6 +55,11 @@ class ReachablePoses:
     def __len__(self) -> int:
         return len(self.assembly)
 
+    @property
+    def legs(self) -> tuple[tuple[Leg, ...], ...]:
+        """The six legs of each configuration, in the order in which the hands take them."""
+        return tuple(in_hand_order(assembly.legs) for assembly in self.assembly)
+
 
 def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
     """Return the measurable assemblies of tool and base fixture, in the frame of the fixture.
@@ -222,16 +227,16 @@ def planned(found: ReachablePoses, placement: int, first_config: int = 1) -> tup
     tuple of PlannedPose
         Without ways.
     """
-    rows = zip(found.joints_rad, found.assembly, found.branch, strict=True)
+    rows = zip(found.joints_rad, found.legs, found.assembly, found.branch, strict=True)
     return tuple(
         PlannedPose(
             config=config,
             placement=placement,
             joints_rad=tuple(float(q) for q in joints),
-            legs=in_hand_order(assembly.legs),
+            legs=legs,
             assembly=f"{branch}, design {assembly.name}",
         )
-        for config, (joints, assembly, branch) in enumerate(rows, start=first_config)
+        for config, (joints, legs, assembly, branch) in enumerate(rows, start=first_config)
     )
 
 

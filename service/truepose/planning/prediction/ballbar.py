@@ -38,6 +38,7 @@ from truepose.planning.ballbar.pose_selection import (
     known_after,
     least_error_first,
     of_candidates,
+    require_candidates,
     stacked_rows,
 )
 from truepose.planning.ballbar.poses import setups
@@ -136,7 +137,7 @@ def promised_at(
     fixtures : sequence of BaseFixture
         In the order of their placements, numbered from 1.
     n : int, optional
-        Poses to measure, 100 at most; by default as many as the knee of the curve says.
+        Poses to measure; by default as many as the knee of the curve says.
     volume, discrepancy, seed
         As in `promised_ballbar_session`.
 
@@ -149,7 +150,7 @@ def promised_at(
     ConfigurationError, WorkSpaceError
         As `promised_ballbar_session`; the arm cannot hold the setting ball at a cup.
     TooFewCandidatesError
-        More poses were asked for than can be measured from there.
+        More poses were asked for than can be measured from there, or nothing can from a placement.
     """
     rng = np.random.default_rng(seed)
     # What no parameter expresses moves the tool at a stop, as the arm's own scatter does: all its lengths
@@ -165,7 +166,7 @@ def promised_at(
     # Poses are chosen for other places than the promise is computed at: it would flatter a choice that
     # suits its own sample.
     weighed = _places(cell, volume or WorkVolume(), model, np.random.default_rng([seed, _STREAM]))
-    choice = _choice(model, fixtures, weighed)
+    choice = _choice(model, fixtures, weighed, max(MOST, n or 0))
     if n is not None and n > len(choice.rows):
         raise TooFewCandidatesError(
             f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
@@ -181,7 +182,7 @@ def promised_at(
 
     def open_without(keep_outs: KeepOuts) -> frozenset[str]:
         free = arm_model(replace(limits, keep_outs=keep_outs), scatter, certified)
-        return parameters_of(_choice(free, fixtures, weighed).left_open(free, size))
+        return parameters_of(_choice(free, fixtures, weighed, size).left_open(free, size))
 
     plan = choice.plan(model, size, points, advised, discrepancy)
     return replace(plan, left_open=because_of(limits.keep_outs, plan.left_open, open_without))
@@ -310,9 +311,11 @@ class _Choice:
         return left_open(model.structure, covariance, flat.T / widths[:, None], moved)
 
 
-def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpaceSample) -> _Choice:
+def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpaceSample, most: int) -> _Choice:
+    """Return `most` poses in the order of choice, all where there are no more."""
     held = [setups(model.cell, fixture) for fixture in fixtures]
     offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
+    require_candidates(offers)
     # Weighed as they err, poses would be chosen for an identification that nobody runs.
     erring = replace(model, erring=True)
     true = [of_candidates(erring, offer, own) for offer, own in zip(offers, held, strict=True)]
@@ -323,11 +326,11 @@ def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpace
     rows = stacked_rows(model, offers, len(known.matrix))
     # By the error over the volume: up to 8 % less of it is promised than in the order of O1
     # (docs/decisions/0043).
-    order = least_error_first(rows, MOST, known.matrix, error_weight(known.cups_mm, weighed))
-    legs = [assembly.legs for own in offers for assembly in own.found.assembly]
+    order = least_error_first(rows, most, known.matrix, error_weight(known.cups_mm, weighed))
+    legs = [legs for own in offers for legs in own.found.legs]
     return _Choice(
         joints_rad=np.concatenate([own.found.joints_rad for own in offers])[order],
-        legs=tuple(tuple(legs[row]) for row in order),
+        legs=tuple(legs[row] for row in order),
         placement=np.repeat([own.fixture.number for own in offers], [len(own) for own in offers])[order],
         rows=rows[order],
         known=known.matrix,

@@ -1,11 +1,13 @@
 """Promises of ballbar sessions: in the frame of the cups, from the poses that an arm offers."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.expected_information import (
     Scatter,
     WorkSpaceSample,
@@ -20,6 +22,7 @@ from truepose.planning.ballbar.expected_information import (
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.prediction.ballbar import promised_at
+from truepose.planning.prediction.errors import MOST
 from truepose.planning.prediction.plan import WorkVolume
 
 FIXTURES = (fixture_before_the_arm(),)
@@ -53,9 +56,32 @@ def test_every_pose_has_its_six_legs_and_its_placement(plan):
     assert plan.left_open == ()
 
 
-def test_a_curve_ends_with_the_poses_that_the_arm_offers(plan):
-    with pytest.raises(TooFewCandidatesError, match=f"in {plan.curve[-1].n} from there"):
-        planned(plan.curve[-1].n + 1)
+def test_no_more_poses_are_planned_than_the_arm_offers():
+    offered = len(reach(ballbar_cell(), FIXTURES[0]))
+
+    with pytest.raises(TooFewCandidatesError, match=f"in {offered} from there"):
+        planned(offered + 1)
+
+
+def test_a_fixture_from_which_nothing_can_be_measured_is_a_sentence():
+    # The arm holds the setting ball at each of its cups, but no bar finds room above them.
+    below_the_arm = base_fixture(1, frame(300, -200, 300, 180, 0, 60))
+
+    with pytest.raises(TooFewCandidatesError, match="No configuration can be measured from placement 1"):
+        planned(fixtures=(below_the_arm,))
+
+
+def test_more_poses_than_the_curve_shows_are_planned():
+    poses = MOST + 5
+
+    plan = planned(poses)
+
+    assert len(plan.joints_rad) == poses == plan.curve[-1].n
+
+
+def test_legs_are_in_the_order_of_the_hands(twenty):
+    for legs in twenty.poses.legs:
+        assert all(before[0] == leg[0] or before[1] == leg[1] for before, leg in pairwise(legs))
 
 
 def test_two_poses_promise_much_less_and_say_what_they_leave_open(twenty):
