@@ -21,7 +21,7 @@ from truepose.planning.ballbar.expected_information import (
 )
 from truepose.planning.ballbar.paths import Stop, Surroundings, Tour, away, lift, tour, way
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
-from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose
+from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose, require_candidates
 from truepose.planning.ballbar.poses import planned, setups, subset
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
@@ -158,7 +158,7 @@ def plan_at(
     WorkSpaceError
         The arm cannot hold the setting ball at a cup.
     TooFewCandidatesError
-        Nothing can be measured from a placement.
+        Nothing can be measured from a placement, or no pose is chosen there.
     NoWayError
         No way leads to any pose of a placement, or the arm has nowhere to stand for the next.
     """
@@ -167,13 +167,13 @@ def plan_at(
     template = template or _with_precalibration(poses, model.parameters)
     held = [setups(cell, fixture) for fixture in fixtures]
     offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
+    require_candidates(offers)
     chosen = choose(model, offers, poses, rng, work_space_sample(model, SPACE_POINTS, rng))
-    # A session that measures nothing from a placement would have its cups clamped for nothing.
-    for own in offers:
-        if not len(own):
+    for own, rows in zip(offers, chosen, strict=True):
+        if not len(rows):
             raise TooFewCandidatesError(
-                f"No configuration can be measured from placement {own.fixture.number}: place the base "
-                "fixture elsewhere, or let the program suggest a place."
+                f"Of {poses} poses none is best measured from placement {own.fixture.number}: ask for more "
+                "poses, or for fewer placements of the base fixture."
             )
     return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
 

@@ -38,6 +38,11 @@ def test_every_pose_has_a_number_of_its_own_and_six_legs(at_hand):
     assert len({pose.joints_rad for pose in placement.poses}) == 24
 
 
+def test_a_placement_at_which_no_pose_is_chosen_says_so():
+    with pytest.raises(TooFewCandidatesError, match="Of 1 poses none is best measured from placement"):
+        plan_at(CELL, [fixture_before_the_arm(), AFTER], 1)
+
+
 def test_from_stop_to_stop_the_arm_keeps_room(at_hand):
     (placement,) = at_hand.placements
     fixture = fixture_before_the_arm()
