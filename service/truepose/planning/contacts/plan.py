@@ -19,7 +19,13 @@ from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
 from truepose.planning.workspace.bodies import CellBodies, Ways, bodies_of, least_rooms_mm
 from truepose.planning.workspace.candidates import draw_candidates
-from truepose.planning.workspace.space import WorkSpace, nest_places, nominal_chain, space_to_measure
+from truepose.planning.workspace.space import (
+    WorkSpace,
+    nest_places,
+    nominal_chain,
+    space_to_measure,
+    without_tracker,
+)
 
 _LOOKS: Final = 40  # along a way
 _KEPT_OFF_MM: Final = 20.0  # by the tool's nests and the flange, from what they could touch
@@ -169,7 +175,7 @@ def plan_of(cell: Cell, wish: ContactPlanRequest) -> ContactPlan:
     require_sense(cell, wish)
     rng = np.random.default_rng(wish.seed)
     # No approach from below: where the arm comes from is the hub, for every stop alike.
-    space, bodies = space_to_measure(cell, None), bodies_of(cell)
+    space, bodies = without_tracker(space_to_measure(cell, None)), bodies_of(cell)
     # Wires need no touching and no way in: any configuration will do in which all are within their
     # stroke.
     found = _hanging(space, wish, rng) if wish.loop == "wires" else _candidates(space, bodies, wish, rng)

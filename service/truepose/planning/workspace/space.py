@@ -10,7 +10,7 @@ thesis keeps joints 2 and 3 so by their ranges (A. Nubiola, 2014, section 2.4); 
 torques say it themselves. Those of the wrist change sign whatever is chosen.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -309,6 +309,21 @@ def space_to_measure(cell: Cell, approach_offset_rad: float | None) -> WorkSpace
             "give them under [limits] of the cell file, or give the stops."
         )
     return space_of_cell(cell, ranges, approach_offset_rad)
+
+
+def without_tracker(space: WorkSpace) -> WorkSpace:
+    """Return a work space in which nothing looks at the nests: where a ballbar, gauge or wire reads.
+
+    Parameters
+    ----------
+    space : WorkSpace
+
+    Returns
+    -------
+    WorkSpace
+    """
+    nests = tuple(replace(nest, facing=None) for nest in space.nests)
+    return replace(space, nests=nests, tracker_position_mm=None)
 
 
 _GRAVITY_M_S2: Final = np.array([0.0, 0.0, -9.81])  # a robot on a table; world

@@ -13,6 +13,7 @@ from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
+from truepose.planning.workspace.candidates import cosines_in_sight, is_seen
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 
 CELL = cell_given("lrmate-tilted")
@@ -99,6 +100,14 @@ def test_wires_hang_within_their_stroke_and_have_no_way():
 
     assert np.abs(drawn_mm - 700.0).max() <= 280.0
     assert all(len(stop.way_rad) == 1 for stop in plan.stops)
+
+
+def test_wires_hang_where_no_tracker_sees_the_tool_as_well():
+    plan = plan_of(CELL, ContactPlanRequest("wires", (DRUM,), 30, nest=2, stroke_mm=300.0, margin_mm=20.0))
+
+    chain = chain_of([stop.joints_rad for stop in plan.stops])
+    seen = is_seen(SPACE, cosines_in_sight(SPACE, chain)).any(axis=0)
+    assert seen.sum() < 15
 
 
 def test_the_same_seed_plans_the_same_stops_and_another_one_others():
