@@ -56,7 +56,7 @@ class LoopPlanRequest:
     Raises
     ------
     ConfigurationError
-        A target has no place.
+        There is no target, or one has no place.
     """
 
     targets: tuple[Target, ...]
@@ -65,6 +65,8 @@ class LoopPlanRequest:
     distances: TargetDistances | None = None
 
     def __post_init__(self) -> None:
+        if not self.targets:
+            raise ConfigurationError("A closed loop needs at least one target.")
         for target in self.targets:
             if target.place_mm is None:
                 raise ConfigurationError(
@@ -113,11 +115,17 @@ def draw_stands(space: WorkSpace, wish: LoopPlanRequest, n: int, rng: np.random.
 
     Raises
     ------
+    ConfigurationError
+        No nest is given, or one that the tool has not.
     TooFewCandidatesError
         The arm hardly reaches one of the targets.
     WorkSpaceError
         Gauges at one place read along directions that cancel each other.
     """
+    if not wish.nests or not set(wish.nests) <= set(range(1, len(space.nests) + 1)):
+        raise ConfigurationError(
+            f"A closed loop needs at least one tool nest, each of 1 to {len(space.nests)}."
+        )
     pairs = [(nest, group) for group in range(len(wish.groups)) for nest in wish.nests]
     each = -(-n // len(pairs))
     joints = [_stops(space, wish.groups[group], nest, each, rng) for nest, group in pairs]

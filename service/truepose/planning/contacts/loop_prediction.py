@@ -83,7 +83,7 @@ def promised_loop(
     Raises
     ------
     ConfigurationError
-        Fewer than one stop was asked for.
+        Fewer than one stop was asked for, or no nest that the tool has.
     WorkSpaceError, TooFewCandidatesError
         The tool has no nest, or what is said of the cell contradicts itself otherwise; the arm does not reach
         a target, or has no place in the volume.

@@ -127,10 +127,12 @@ def require_sense(cell: Cell, wish: ContactPlanRequest) -> None:
     Raises
     ------
     WorkSpaceError
-        A target is none that the loop reads, or lacks its place or zero; a sensor has not one ball; a
-        direction has no length; a distance joins no two centres; the margin takes half the stroke; the nest
-        is none of the tool's.
+        There is no target; one is none that the loop reads, or lacks its place or zero; a sensor has not one
+        ball; a direction has no length; a distance joins no two centres; the margin takes half the stroke;
+        the clearance is no longer than the stroke; the nest is none of the tool's.
     """
+    if not wish.targets:
+        raise WorkSpaceError("There is no target to measure; give one at least.")
     for target in wish.targets:
         _require_target(wish, target)
     if wish.loop == "sensor" and len(wish.targets) != 1:
@@ -139,6 +141,12 @@ def require_sense(cell: Cell, wish: ContactPlanRequest) -> None:
     _require_distances(wish)
     if not 0.0 <= wish.margin_mm < 0.5 * wish.stroke_mm:
         raise WorkSpaceError("The margin must be less than half the stroke.")
+    # Wires hang on the tool all the way: nothing begins at a clearance.
+    if wish.loop != "wires" and not wish.clearance_mm > wish.stroke_mm:
+        raise WorkSpaceError(
+            "The clearance must be longer than the stroke: it is from where nothing is near that the tool "
+            "comes in."
+        )
     if not 1 <= wish.nest <= len(cell.nests) or cell.nests[wish.nest - 1].centre_mm is None:
         raise WorkSpaceError(f"The cell has no tool nest {wish.nest} with a centre.")
 

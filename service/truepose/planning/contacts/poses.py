@@ -82,7 +82,8 @@ def draw_goals(wish: ContactPlanRequest, n: int, rng: np.random.Generator) -> Go
     group = rng.integers(len(groups), size=n)
     # n for each group, of which each row takes that of its own: a draw per row would be as many calls.
     goals = [_of_group(wish, targets, n, rng) for targets in groups]
-    return Goals(group, *(np.choose(group[:, None], column) for column in zip(*goals, strict=True)))
+    rows = np.arange(n)
+    return Goals(group, *(np.stack(column)[group, rows] for column in zip(*goals, strict=True)))
 
 
 def _of_group(

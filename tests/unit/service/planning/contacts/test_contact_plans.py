@@ -12,6 +12,7 @@ from truepose.exchange.cells.file import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
+from truepose.planning.contacts.poses import draw_goals
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.workspace.candidates import cosines_in_sight, is_seen
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
@@ -126,6 +127,8 @@ def test_the_same_seed_plans_the_same_stops_and_another_one_others():
         ({"axis": (0.0, 0.0, 0.0)}, WorkSpaceError, "axis of the tool has no length"),
         ({"targets": (replace(PLANE, normal=(0.0, 0.0, 0.0)),)}, WorkSpaceError, "normal of target 1"),
         ({"margin_mm": 2.5}, WorkSpaceError, "half the stroke"),
+        ({"clearance_mm": 5.0}, WorkSpaceError, "clearance must be longer than the stroke"),
+        ({"targets": ()}, WorkSpaceError, "no target"),
         ({"distances": (TargetDistance((1, 3), 240.0, 0.002),)}, WorkSpaceError, "two different targets"),
         ({"targets": (replace(PLANE, place_mm=(2000.0, 0.0, 60.0)),)}, TooFewCandidatesError, "nearer"),
     ],
@@ -148,6 +151,15 @@ def test_gauges_that_read_against_each_other_leave_no_way_in():
 def test_nothing_touches_a_sphere_at_its_centre():
     with pytest.raises(WorkSpaceError, match="Target 1 reads 0 at its own centre"):
         plan_of(CELL, replace(PROBE, targets=(replace(SPHERES[0], zero_mm=0.0),)))
+
+
+def test_goals_are_drawn_among_any_number_of_targets():
+    many = tuple(replace(SPHERES[0], number=number) for number in range(1, 81))
+
+    goals = draw_goals(replace(PROBE, targets=many), 400, np.random.default_rng(1))
+
+    assert np.unique(goals.group).max() > 64
+    assert goals.tip_mm.shape == (400, 3)
 
 
 def test_where_all_draws_bring_fewer_than_are_wished_for_what_was_found_is_chosen_from():

@@ -161,6 +161,17 @@ def test_a_target_without_a_place_is_refused():
         LoopPlanRequest((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
 
 
+def test_a_loop_without_targets_is_refused():
+    with pytest.raises(ConfigurationError, match="at least one target"):
+        LoopPlanRequest((), (1,), 0.001)
+
+
+@pytest.mark.parametrize("nests", [(), (4,)])
+def test_a_loop_is_read_at_nests_that_the_tool_has(nests):
+    with pytest.raises(ConfigurationError, match="at least one tool nest, each of 1 to 3"):
+        promised_loop(SPACE, LoopPlanRequest(SPHERES, nests, 0.001), 6)
+
+
 def test_gauges_at_one_place_that_read_against_each_other_leave_no_way_in():
     against = replace(GAUGES[0], number=2, normal=(-1.0, 0.0, 0.0))
 
