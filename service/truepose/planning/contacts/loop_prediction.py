@@ -114,7 +114,7 @@ def promised_loop(
         left_open=knowledge.left_open(chosen),
         # Certificates' own parameters are hardly seen by design: they would make every index next to
         # nothing.
-        observability=indices(knowledge.rows[chosen][:, :, knowledge.asked]),
+        observability=indices(knowledge.rows[chosen][:, :, knowledge.asked], len(chosen)),
         assumptions=Assumptions(
             wish.reading_mm, knowledge.repeatability_mm, discrepancy, space.keep_outs.names
         ),

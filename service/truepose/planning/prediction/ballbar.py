@@ -287,7 +287,7 @@ class _Choice:
             measured=0,
             left_open=self.left_open(model, size),
             # Of the arm alone: cups and certificates belong to this session.
-            observability=indices(self.rows[:size, :, : model.own_parameters]),
+            observability=indices(self.rows[:size, :, : model.own_parameters], size),
             assumptions=Assumptions(
                 reading, model.cell.robot.repeatability_mm, discrepancy, model.cell.keep_outs.names
             ),

@@ -95,14 +95,16 @@ def require_some(n: int | None) -> None:
         raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
 
 
-def indices(rows: FloatArray) -> dict[str, float]:
+def indices(rows: FloatArray, configurations: int) -> dict[str, float]:
     """Return the observability indices O1 to O5 of whitened rows.
 
     Parameters
     ----------
     rows : ndarray, shape (n, d, P)
-        Derivatives of n configurations, in standard uncertainties of a reading per prior width of each
-        parameter.
+        Derivatives of n readings of d coordinates or lengths, in standard uncertainties of a reading per
+        prior width of each parameter.
+    configurations : int
+        Different ones among them: of one that is read again O1 grows, as it is known better.
 
     Returns
     -------
@@ -116,7 +118,7 @@ def indices(rows: FloatArray) -> dict[str, float]:
     """
     flat = rows.reshape(-1, rows.shape[2])
     try:
-        first = observability.observability_o1(flat, len(rows))
+        first = observability.observability_o1(flat, configurations)
     # No refusal: with priors such a plan is one, and the indices say what its readings alone do.
     except UnderdeterminedError:
         return dict.fromkeys(_INDICES, 0.0)

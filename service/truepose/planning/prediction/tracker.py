@@ -248,7 +248,7 @@ class _Choice:
             advised=advised,
             measured=self._measured.configurations,
             left_open=left_open,
-            observability=indices(self._first(total).rows),
+            observability=indices(self._first(total).rows, total),
             assumptions=Assumptions(
                 reading,
                 self._knowledge.repeatability_mm,

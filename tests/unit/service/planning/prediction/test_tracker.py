@@ -113,6 +113,16 @@ def test_where_enough_was_measured_nothing_is_left_to_choose(plan):
     assert found.promised.mean_mm == pytest.approx(plan.promised.mean_mm, rel=0.02)  # other places
 
 
+def test_readings_that_are_repeated_make_observability_no_less(plan):
+    n = len(plan.nest)
+    once = ExistingReadings(plan.joints_rad, plan.nest, n)
+    thrice = ExistingReadings(np.tile(plan.joints_rad, (3, 1)), np.tile(plan.nest, 3), n)
+
+    of_once, of_thrice = (planned(measured=measured).observability["O1"] for measured in (once, thrice))
+
+    assert of_thrice == pytest.approx(np.sqrt(3.0) * of_once)
+
+
 def test_what_was_measured_by_chance_makes_fewer_further_ones_worth_while():
     by_chance = draw_candidates(SPACE, 20, np.random.default_rng(8))
     measured = ExistingReadings(by_chance.joints_rad, by_chance.nest, 20)
