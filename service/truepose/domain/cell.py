@@ -226,7 +226,7 @@ class CellLimits:
     calibration: tuple[JointRange, ...] | None = (
         None  # where configurations are chosen; None: the robot's own
     )
-    floor_z_mm: float | None = None  # of floor or table, world; None: the world's z = 0, or the robot's foot
+    floor_z_mm: float | None = None  # of floor or table, world; None: not stated (`Cell.floor_z_mm`)
     keep_outs: KeepOuts = field(default_factory=KeepOuts)  # that nothing of the arm enters
     seen_within_rad: float | None = None  # of where a nest faces; None: as a corner cube is, 29 deg
     reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
@@ -261,6 +261,12 @@ class Cell:
     camera: Camera | None = None  # measures poses in the tracker's place; None: the tracker measures points
     # Halting is for everybody, announced or not: nobody should have to spell a name in an emergency.
     people: tuple[str, ...] = ()  # who may confirm that the cell is clear; empty: whoever gives a name
+
+    @property
+    def floor_z_mm(self) -> float:
+        """Floor or table [mm, world] as it is stated, else z = 0 or the robot's foot, whichever is lower."""
+        stated = self.limits.floor_z_mm
+        return min(0.0, self.base_nominal.z_mm) if stated is None else stated
 
     def keeping_out(self, keep_outs: KeepOuts) -> "Cell":
         """Return the cell with further keep-out volumes.

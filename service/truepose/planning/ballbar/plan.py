@@ -85,8 +85,8 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
     Returns
     -------
     BallbarCell
-        Ranges are those of the calibration, else the joint limits; legs of 300 mm and a table at the world's
-        z = 0 where nothing else is stated.
+        Ranges are those of the calibration, else the joint limits; legs of 300 mm where nothing else is
+        stated; the table at the floor of the cell.
 
     Raises
     ------
@@ -110,14 +110,13 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
             "cell file."
         )
     leg = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
-    table = 0.0 if limits.floor_z_mm is None else limits.floor_z_mm
     return BallbarCell(
         robot,
         cell.base_nominal,
         np.array(centres),
         ranges,
         leg_mm=leg,
-        table_z_mm=table,
+        table_z_mm=cell.floor_z_mm,
         keep_outs=limits.keep_outs,
     )
 

@@ -68,7 +68,7 @@ from truepose.planning.prediction.plan import (
 )
 from truepose.planning.tracker.plans import short_tour
 from truepose.planning.workspace.capsules import look_at
-from truepose.planning.workspace.space import WorkSpace
+from truepose.planning.workspace.space import WorkSpace, space_of_cell, without_tracker
 
 _DRAWS: Final = 120  # random places of the base fixture: the search takes some seconds
 _MOVES: Final = 50
@@ -357,19 +357,7 @@ def work_space_of(cell: Cell) -> WorkSpace:
     ConfigurationError, WorkSpaceError
         As `planning.ballbar.plan.ballbar_cell`.
     """
-    limits = ballbar_cell(cell)
-    nests = tuple(replace(nest, facing=None) for nest in cell.nests)
-    own = cell.limits.joints or cell.robot.joint_limits
-    return WorkSpace(
-        cell.robot,
-        limits.base,
-        nests,
-        limits.ranges,
-        None,
-        own,
-        limits.table_z_mm,
-        keep_outs=limits.keep_outs,
-    )
+    return without_tracker(space_of_cell(cell, ballbar_cell(cell).ranges, None))
 
 
 def _places(cell: Cell, volume: WorkVolume, model: ArmModel, rng: np.random.Generator) -> WorkSpaceSample:

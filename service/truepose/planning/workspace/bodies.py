@@ -122,17 +122,14 @@ def bodies_of(cell: Cell) -> CellBodies:
     Returns
     -------
     CellBodies
-        The floor as the cell states it, else assumed at the world's z = 0 or the robot's foot, whichever is
-        lower. No room is asked for about keep-out volumes: given stops are refused only where something would
-        touch.
+        On the floor of the cell. No room is asked for about keep-out volumes: given stops are refused only
+        where something would touch.
     """
-    stated = cell.limits.floor_z_mm
-    floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
     return CellBodies(
         arm_outline(cell.robot, cell.base_nominal),
         _centres_mm(cell.nests),
-        floor_mm,
-        stated is not None,
+        cell.floor_z_mm,
+        cell.limits.floor_z_mm is not None,
         cell.limits.keep_outs,
     )
 

@@ -267,7 +267,7 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
     Returns
     -------
     WorkSpace
-        Its table at the floor that the cell states, else at the world's z = 0.
+        Its table at the floor of the cell.
     """
     return WorkSpace(
         robot=cell.robot,
@@ -276,7 +276,7 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
         ranges=ranges,
         tracker_position_mm=cell.tracker_position_mm,
         joint_limits=cell.limits.joints or cell.robot.joint_limits,
-        table_z_mm=0.0 if cell.limits.floor_z_mm is None else cell.limits.floor_z_mm,
+        table_z_mm=cell.floor_z_mm,
         approach_offset_rad=approach_offset_rad,
         keep_outs=cell.limits.keep_outs,
         seen_within_rad=cell.limits.seen_within_rad or SEEN_WITHIN_RAD,

@@ -19,6 +19,8 @@ from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for
 from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
+from truepose.planning.workspace.bodies import bodies_of
+from truepose.planning.workspace.space import space_to_measure
 
 CELL = ballbar_cell()
 AFTER = base_fixture(2, frame(300, 150, 120, 0, 0, 30))
@@ -200,6 +202,15 @@ def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_i
 @pytest.mark.parametrize(("floor_z_mm", "table_z_mm"), [(None, 0.0), (120.0, 120.0), (-300.0, -300.0)])
 def test_the_floor_that_the_cell_states_is_the_table_of_its_ballbar_plans(floor_z_mm, table_z_mm):
     assert cell_for(domain_cell(limits=CellLimits(floor_z_mm=floor_z_mm))).table_z_mm == table_z_mm
+
+
+@pytest.mark.parametrize(("foot_z_mm", "floor_z_mm"), [(-800.0, -800.0), (500.0, 0.0)])
+def test_a_floor_that_nobody_states_is_one_for_every_plan_and_check(foot_z_mm, floor_z_mm):
+    cell = domain_cell(base_nominal=frame(0, 0, foot_z_mm))
+
+    assert cell_for(cell).table_z_mm == floor_z_mm
+    assert space_to_measure(cell, None).table_z_mm == floor_z_mm
+    assert bodies_of(cell).floor_z_mm == floor_z_mm
 
 
 def test_tool_nests_on_a_line_are_refused_wherever_the_base_fixture_stands():
