@@ -7,6 +7,7 @@ writer, where a session's readings come first.
 
 import contextlib
 import json
+import logging
 import os
 import shutil
 import threading
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from truepose.storage.documents import from_document, to_document
+from truepose.storage.engine.files import write_whole
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
 MOST_BYTES: Final = 64 * 2**20  # of a draft
@@ -27,6 +29,7 @@ MOST_DRAFTS: Final = 20
 KEPT: Final = timedelta(days=14)  # after the last change: a shift, a weekend, a week of holidays
 STATE: Final = "draft.json"
 _WHAT: Final = "draft"
+_LOG: Final = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,16 +103,17 @@ class DraftFolder:
         return from_document(Draft, document)
 
     def all(self) -> tuple[Draft, ...]:
-        """Return all drafts, the latest first; raises StorageUnavailableError where one cannot be read."""
+        """Return all drafts that can be read, the latest first."""
         with self._lock, _told_of_disk():
             self._expire()
-            drafts = [self.get(number) for number in self.numbers()]
-        return tuple(sorted(drafts, key=lambda draft: draft.id, reverse=True))
+            return tuple(draft for number in self.numbers()[::-1] for draft in self._readable(number))
 
     def remove(self, number: int) -> None:
         """Throw a draft away; raises NotFoundError."""
         with self._lock, _told_of_disk():
-            self.get(number)
+            # Also one that cannot be read: else nobody could ever get rid of it.
+            if number not in self.numbers():
+                raise NotFoundError(_WHAT, number)
             shutil.rmtree(self._place(number))
 
     @contextlib.contextmanager
@@ -162,8 +166,12 @@ class DraftFolder:
             before = [file for file in draft.files if file.name == name]
             others = tuple(file for file in draft.files if file.name != name)
             file = DraftFile(1 + max((one.number for one in draft.files), default=0), name, size_bytes)
+            changed = _changed(draft, files=(*others, file))
+            # Once more, as others may have brought something meanwhile.
+            if changed.size_bytes > MOST_BYTES:
+                raise _too_large()
             os.replace(part, self.path(number, file.number))
-            kept = self._write(_changed(draft, files=(*others, file)))
+            kept = self._write(changed)
             for one in before:
                 self.path(number, one.number).unlink(missing_ok=True)
             return kept
@@ -191,23 +199,26 @@ class DraftFolder:
         """Return a number that no draft has had: an old address never shows somebody else's files."""
         # Numbers of removed drafts are in addresses that browsers keep. The largest that is there is not
         # enough: it goes with the draft.
-        last = self._folder / "last"
-        said = int(last.read_text(encoding="ascii")) if last.exists() else 0
+        last, said = self._folder / "last", 0
+        with contextlib.suppress(FileNotFoundError, ValueError):  # ValueError: a loss of power left it empty
+            said = int(last.read_text(encoding="ascii"))
         number = 1 + max([said, *numbers])
         self._folder.mkdir(parents=True, exist_ok=True)
-        last.write_text(str(number), encoding="ascii")
+        write_whole(last, str(number).encode())
         return number
 
     def _write(self, draft: Draft) -> Draft:
-        place = self._place(draft.id)
         # A state is written anew at each change, and whole or not at all: a reader may come at any moment
         # without the lock.
-        part = place / f"{STATE}.part"
-        with part.open("wb") as file:
-            file.write(json.dumps(to_document(draft)).encode())
-            _flush(file)
-        os.replace(part, place / STATE)
+        write_whole(self._place(draft.id) / STATE, json.dumps(to_document(draft)).encode())
         return draft
+
+    def _readable(self, number: int) -> Iterator[Draft]:
+        try:
+            yield self.get(number)
+        except StorageUnavailableError as error:
+            # One that is damaged keeps nobody from the others.
+            _LOG.warning("%s", error)
 
     def _expire(self) -> None:
         oldest = (datetime.now(UTC) - KEPT).isoformat(timespec="seconds")
@@ -217,6 +228,8 @@ class DraftFolder:
                 ended = self.get(number).changed_at < oldest
             except NotFoundError:  # its creation was cut short
                 ended = True
+            except StorageUnavailableError:  # nobody knows when it was changed
+                ended = False
             if ended:
                 shutil.rmtree(self._place(number), ignore_errors=True)
 
@@ -238,7 +251,7 @@ class Incoming:
         self._size_bytes += len(data)
         # Counted as it comes: what a request says of its length is the sender's word.
         if self._size_bytes > self._room_bytes:
-            raise ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; bring fewer files, or a zip.")
+            raise _too_large()
         with _told_of_disk():
             self._file.write(data)
 
@@ -253,6 +266,10 @@ class Incoming:
         """Let go of what was not kept."""
         self._file.close()
         self._part.unlink(missing_ok=True)
+
+
+def _too_large() -> ConflictError:
+    return ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; bring fewer files, or a zip.")
 
 
 def _changed(draft: Draft, **changes: Any) -> Draft:

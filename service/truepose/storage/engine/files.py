@@ -61,6 +61,21 @@ def tighten(*files: Path) -> None:
                 file.chmod(mode & ~_OTHERS)
 
 
+def write_whole(file: Path, data: bytes) -> None:
+    """Write a file that its owner alone reads: whole and on the disk, or not at all. Raises OSError."""
+    os.replace(_part_of(file, data), file)
+    sync_folder(file.parent)
+
+
+def _part_of(file: Path, data: bytes) -> Path:
+    part = file.with_name(f"{file.name}.part")
+    with open(part, "wb", opener=opened_alone) as written:
+        written.write(data)
+        written.flush()
+        os.fsync(written.fileno())
+    return part
+
+
 def sync_folder(folder: Path) -> None:
     """See that a name that was just given or taken in a folder is on the disk."""
     # Windows does not open folders as files.

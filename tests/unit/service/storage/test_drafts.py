@@ -1,12 +1,15 @@
 """Drafts on the disk: kept whole, ended by themselves, never more than there is room for."""
 
 import json
+import os
+import sys
 from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from truepose.storage import drafts as drafts_module
 from truepose.storage.drafts import KEPT, MOST_DRAFTS, DraftFolder
-from truepose.storage.errors import ConflictError, NotFoundError
+from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
 
 @pytest.fixture
@@ -47,6 +50,54 @@ def test_a_draft_that_was_touched_stays(drafts):
     number = drafts.create().id
 
     assert [draft.id for draft in drafts.all()] == [number]
+
+
+def test_one_that_cannot_be_read_keeps_nobody_from_the_others(drafts, tmp_path, caplog):
+    spoiled, other = drafts.create().id, drafts.create().id
+    (tmp_path / "drafts" / str(spoiled) / "draft.json").write_bytes(b"{")
+
+    assert [draft.id for draft in drafts.all()] == [other]
+    assert drafts.create().id == 3
+    assert f"Draft {spoiled} cannot be read" in caplog.text
+    with pytest.raises(StorageUnavailableError):
+        drafts.get(spoiled)
+
+    drafts.remove(spoiled)
+    assert drafts.numbers() == [other, 3]
+
+
+@pytest.mark.parametrize("left", ["", "\0\0\0"])
+def test_a_last_number_that_a_loss_of_power_took_is_begun_anew(drafts, tmp_path, left):
+    drafts.create()
+    (tmp_path / "drafts" / "last").write_text(left)
+
+    assert [drafts.create().id, drafts.create().id] == [2, 3]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what is synced is looked for in /proc")
+def test_the_last_number_is_on_the_disk_before_anybody_has_it(drafts, tmp_path, monkeypatch):
+    drafts.create()
+    synced = []
+    monkeypatch.setattr(os, "fsync", lambda file: synced.append(os.readlink(f"/proc/self/fd/{file}")))
+
+    drafts.create()
+
+    assert str(tmp_path / "drafts" / "last.part") in synced
+    assert (tmp_path / "drafts" / "last").read_text() == "2"
+
+
+def test_two_that_are_brought_together_are_not_larger_than_one_draft_may_be(drafts, monkeypatch):
+    monkeypatch.setattr(drafts_module, "MOST_BYTES", 10)
+    number = drafts.create().id
+
+    with drafts.receiving(number) as first, drafts.receiving(number) as second:
+        first.write(b"seven by")
+        second.write(b"seven by")
+        first.keep("a.csv")
+        with pytest.raises(ConflictError, match="at most"):
+            second.keep("b.csv")
+
+    assert [file.name for file in drafts.get(number).files] == ["a.csv"]
 
 
 def test_there_are_not_more_than_so_many(drafts):
