@@ -16,6 +16,7 @@ from truepose.settings import Settings
 from truepose.storage.backup import copying
 from truepose.storage.backup.copying import back_up, drafts_beside, restore_drafts
 from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
+from truepose.storage.backup.transfer import transfer
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.engine.sqlite_connections import LIBRARY
@@ -287,6 +288,41 @@ def test_drafts_lie_beside_a_copy_and_come_back_with_it(left, drafts, copy, tmp_
     back = DraftFolder.beside(fresh)
     assert back.all() == drafts.all()
     assert back.path(1, 1).read_bytes() == b"q1;x\n1;2\n"
+
+
+def test_a_draft_that_cannot_be_read_keeps_the_others_from_no_copy(left, drafts, copy, caplog):
+    (left.with_name(f"{left.name}.drafts") / "2" / "draft.json").write_bytes(b"{")
+
+    made = back_up(left, copy, replace=True)
+
+    assert made.drafts == 1
+    assert "Draft 2 cannot be read" in caplog.text
+
+
+def full_disk(*of, **more):
+    raise OSError(28, "No space left on device")
+
+
+def test_of_drafts_that_the_disk_refuses_no_others_lie_beside_the_copy(left, drafts, copy, monkeypatch):
+    back_up(left, copy, replace=True)
+    monkeypatch.setattr(zipfile.ZipFile, "writestr", full_disk)
+
+    with pytest.raises(BackupError, match=r"drafts of .* cannot be copied .*; the records are"):
+        back_up(left, copy, replace=True)
+
+    assert verify_left(copy).findings == ()
+    assert [file.name for file in copy.parent.iterdir()] == [copy.name]
+
+
+def test_drafts_that_a_transfer_cannot_bring_are_said_and_the_records_are_there(
+    left, drafts, copy, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(zipfile.ZipFile, "writestr", full_disk)
+
+    with pytest.raises(BackupError, match="the records are"):
+        transfer(f"sqlite:///{left}", f"sqlite:///{tmp_path}/other.sqlite3")
+
+    assert names(tmp_path / "other.sqlite3") == names(left)
 
 
 def test_drafts_that_are_there_stay(left, drafts, copy):

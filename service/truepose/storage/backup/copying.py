@@ -12,6 +12,7 @@ where there is no draft.
 
 import contextlib
 import json
+import logging
 import os
 import re
 import zipfile
@@ -26,10 +27,16 @@ from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
 from truepose.storage.engine.files import make_alone, sync_folder
 from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
-from truepose.storage.errors import BackupError, DatabaseAddressError, NotFoundError
+from truepose.storage.errors import (
+    BackupError,
+    DatabaseAddressError,
+    NotFoundError,
+    StorageUnavailableError,
+)
 from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.secret_files import take_out_pins
 
+_LOG: Final = logging.getLogger(__name__)
 # Leading zeros and other digits than ASCII are left out on purpose: an archive that somebody else packed must
 # name neither a folder outside the drafts nor the same file twice.
 _MEMBER: Final = re.compile(rf"[1-9]\d{{0,8}}/({re.escape(STATE)}|[1-9]\d{{0,5}}\.file)", re.ASCII)
@@ -44,29 +51,42 @@ def drafts_beside(copy: Path) -> Path:
 
 
 def copy_drafts(database: Path, copy: Path) -> int:
-    """Write the drafts of a database beside its copy and return how many there are; raises OSError."""
+    """Write the drafts of a database beside its copy and return how many there are.
+
+    Raises BackupError where the disk refuses; then none lie there.
+    """
     archive = drafts_beside(copy)
-    # The archive is written under another name and renamed when it is on the disk: a copy that is cut short
-    # must not replace the drafts of the copy before by half an archive.
-    drafts, count = DraftFolder.beside(database), 0
     part = archive.with_name(f"{archive.name}.part")
-    make_alone(part)
-    with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as written:
+    try:
+        # Whatever comes of it, an archive from an earlier copy of this name has to go: restoring would bring
+        # back drafts that the database of this copy did not have.
+        archive.unlink(missing_ok=True)
+        # Written under another name and renamed when it is on the disk: a copy that is cut short must not
+        # leave half an archive.
+        with _removed_at_the_end(part):
+            count = _packed(DraftFolder.beside(database), part)
+            if count:
+                part.replace(archive)
+        sync_folder(archive.parent)
+    except OSError as error:
+        raise BackupError(
+            f"The drafts of {database} cannot be copied to {archive} ({error}); the records are."
+        ) from error
+    return count
+
+
+def _packed(drafts: DraftFolder, archive: Path) -> int:
+    """Write drafts into an archive on the disk and return how many; raises OSError."""
+    count = 0
+    make_alone(archive)
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as written:
         for number in drafts.numbers():
             held = list(_held(drafts, number))
             for name, data in held:
                 written.writestr(f"{number}/{name}", data)
             count += bool(held)
-    with part.open("rb+") as whole:
+    with archive.open("rb+") as whole:
         os.fsync(whole.fileno())
-    # Without drafts an archive from an earlier copy of this name has to go as well: restoring would bring
-    # back drafts that the database of this copy did not have.
-    if count:
-        part.replace(archive)
-    else:
-        part.unlink()
-        archive.unlink(missing_ok=True)
-    sync_folder(archive.parent)
     return count
 
 
@@ -94,7 +114,10 @@ def restore_drafts(copy: Path, database: Path) -> int:
 
 
 def _held(drafts: DraftFolder, number: int) -> Iterator[tuple[str, bytes]]:
-    """Yield what a draft holds at one moment; nothing of one that is thrown away or changed all the time."""
+    """Yield what a draft holds at one moment.
+
+    Nothing of one that is thrown away, changed all the time, or cannot be read.
+    """
     for _ in range(_TRIES):
         try:
             draft = drafts.get(number)
@@ -105,6 +128,9 @@ def _held(drafts: DraftFolder, number: int) -> Iterator[tuple[str, bytes]]:
         # moments.
         except (FileNotFoundError, NotFoundError):
             continue
+        except StorageUnavailableError as error:
+            _LOG.warning("a copy is without a draft: %s", error)
+            return
         yield from [*files, (STATE, _document(draft))]
         return
 
@@ -157,7 +183,7 @@ def written_copy(database: Path, target: Path, write: Write, told: Told, *, repl
     ------
     BackupError
         Something lies at `target` already and `replace` does not allow it to go, the disk refuses, or the
-        copy is not what was read.
+        copy is not what was read; or the copy is there, and its drafts are not.
     """
     # Also with `replace` the database itself is no target, by whatever name it is reached.
     if target.exists() and (not replace or (database.exists() and target.samefile(database))):
@@ -171,10 +197,10 @@ def written_copy(database: Path, target: Path, write: Write, told: Told, *, repl
             # a `.part`.
             part.replace(target)
             sync_folder(target.parent)
-            # Drafts come last: they are no records, and the copy of the records is complete without them.
-            drafts = copy_drafts(database, target)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{database} cannot be copied to {target} ({error}); nothing was kept.") from error
+    # Drafts come last: they are no records, and the copy of the records is complete without them.
+    drafts = copy_drafts(database, target)
     told(1.0, "verified")
     return Backup(target, target.stat().st_size, head, drafts)
 

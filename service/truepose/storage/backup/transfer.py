@@ -53,11 +53,10 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
     DatabaseUsedError
         Records are in the target.
     BackupError
-        What was written is not what was read, or an engine refuses.
+        What was written is not what was read, or an engine refuses; or the records are there, and the drafts
+        beside them are not.
     StorageError
         One of the two is no database of ours, or cannot be reached.
-    OSError
-        The records are there, and the drafts beside them could not be read.
     """
     beside = _two(source, target)
     # Both locks are held to the end. A lock on a connection of its own was once lost without a word while a
