@@ -243,7 +243,8 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
     Raises
     ------
     ConfigurationError
-        There are fewer than two pairs, or they were not planned with this model; else as of `correct`.
+        There are fewer than two pairs, a stop was read more than once, or the stops were not planned with
+        this model; else as of `correct`.
     """
     first, second = _paired(readings.stops.config)
     # Worked out anew and compared: a proof of one model by the stops of another would say nothing of either.
@@ -277,6 +278,12 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
 
 def _paired(config: IntArray) -> tuple[IntArray, IntArray]:
     """Return the rows of uncorrected and of corrected stops, of targets that have both."""
+    numbers, times = np.unique(config, return_counts=True)
+    if (times > 1).any():
+        raise ConfigurationError(
+            f"Configuration {int(numbers[np.argmax(times)])} was read {int(times.max())} times: a proof "
+            "holds one reading without a correction against one with it. Leave the others out."
+        )
     row_of = {number: row for row, number in enumerate(config.tolist())}
     # Odd numbers are uncorrected stops, and the even one behind each is its correction.
     both = [number for number in sorted(row_of) if number % 2 == 1 and number + 1 in row_of]

@@ -107,6 +107,14 @@ def test_a_target_with_one_reading_is_left_out_and_without_pairs_there_is_no_pro
         proof_of(model(), readings.taken(np.arange(0, len(readings), 2)), SCATTER_MM)
 
 
+def test_of_several_readings_of_one_stop_none_wins_silently():
+    readings = visited(model())
+    twice = readings.taken(np.append(np.arange(len(readings)), 2))
+
+    with pytest.raises(ConfigurationError, match="Configuration 3 was read 2 times"):
+        proof_of(model(), twice, SCATTER_MM)
+
+
 def test_readings_of_another_plan_are_refused():
     with pytest.raises(ConfigurationError, match="no proof of this model"):
         proof_of(model(1), visited(model(2)), SCATTER_MM)
