@@ -1,5 +1,6 @@
 """A session: one run of a plan with fixed artefacts, tool and base placement."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
@@ -253,6 +254,7 @@ class Progress:
 
 
 _STOP: Final = "stop"
+_STOP_ID: Final = re.compile(rf"{_STOP}-(0|[1-9][0-9]{{0,17}})")
 
 
 def stop_id(config: int) -> str:
@@ -261,12 +263,12 @@ def stop_id(config: int) -> str:
 
 
 def config_of(step_id: str) -> int | None:
-    """Return the configuration that a step measures; None where it measures none.
+    """Return the configuration that a step measures; None where it measures none, or is no step at all.
 
     Parameters
     ----------
     step_id : str
-        Of a step of a session: what follows `stop-` is a number.
+        As of `stop_id`, of another step, or whatever somebody asks for.
     """
-    kind, _, number = step_id.partition("-")
-    return int(number) if kind == _STOP else None
+    found = _STOP_ID.fullmatch(step_id)
+    return int(found[1]) if found else None

@@ -136,6 +136,8 @@ async def test_the_fixed_nests_are_looked_at_when_somebody_wants_it():
         (CommandName.SKIP, "stop-3", "  ", ReasonMissingError),
         (CommandName.SKIP, "stop-99", "why not", NotNowError),
         (CommandName.SKIP, "world-frame", "why not", NotNowError),
+        (CommandName.SKIP, "stop-third", "why not", NotNowError),
+        (CommandName.RETRY, "stop-", "", NotNowError),
         (CommandName.RETRY, "stop-4", "", NotNowError),  # not measured yet
         (CommandName.RETRY, "instruments", "", NotNowError),
     ],
