@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 
+_FEWEST_NESTS: Final = 3  # fixed ones that place a frame
 _LEAST_HEIGHT_MM: Final = 50.0  # of a triangle of fixed nests; below it they are as good as on a line
 
 
@@ -143,15 +144,16 @@ class FixedNest:
 
 
 def span_triangle(nests: Sequence[FixedNest]) -> bool:
-    """Say whether fixed nests, three or more, place a frame: they do not lie on a line, nor nearly.
+    """Say whether fixed nests place a frame: three or more that do not lie on a line, nor nearly.
 
     By the second singular value of the centred points: of a flat triangle about 0.8 of its height.
 
     Parameters
     ----------
     nests : sequence of FixedNest
-        Three or more.
     """
+    if len(nests) < _FEWEST_NESTS:
+        return False
     points = np.array([nest.centre_mm for nest in nests])
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return bool(spread[1] >= _LEAST_HEIGHT_MM)
