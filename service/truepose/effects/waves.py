@@ -20,6 +20,7 @@ _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
 # Of a robot that does not tell its gears no fast wave can be laid at their door: up to here bearings,
 # encoders and the stages of common gears explain one.
 _HIGHEST_OF_UNKNOWN_GEAR = 12
+_OF_ITS_TURN = 2  # a ring that is out of centre, and one that is oval
 
 
 def spectrum(fitted: FittedCause) -> Spectrum:
@@ -42,13 +43,14 @@ def orders(scene: Scene, joint: int) -> tuple[float, ...]:
     """Return the orders that are looked for on a joint (0-based): whole ones from 1.
 
     Up to twice the gear's ratio, once per turn of the motor being `ratio` periods per turn of the joint: a
-    strain-wave gear has two waves per turn of its generator. Up to 12 where the ratio is unknown
-    (docs/decisions/0015: among hundreds of orders some fast wave fits anything).
+    strain-wave gear has two waves per turn of its generator; no less than the two of the joint's own turn. Up
+    to 12 where the ratio is unknown (docs/decisions/0015: among hundreds of orders some fast wave fits
+    anything).
     """
     ratio = gear_ratio(scene, joint)
     # Whole orders only: a line between two of them is weighed afterwards, where a finer grid here would be
     # ten times as many chances for noise (docs/decisions/0030).
-    highest = round(2.0 * ratio) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
+    highest = max(round(2.0 * ratio), _OF_ITS_TURN) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
     return tuple(float(order) for order in range(1, highest + 1))
 
 

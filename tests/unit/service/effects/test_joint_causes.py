@@ -10,6 +10,7 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow
 from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES
+from truepose.effects.waves import orders
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
@@ -341,3 +342,13 @@ def test_growth_is_told_per_metre_and_kelvin():
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.8e-5, "1/K", 1e-6)
     assert "18.0 um per metre and K" in english(shown.sentence)
+
+
+@pytest.mark.parametrize(("ratio", "highest"), [(0.2, 2), (1.0, 2), (12.4, 25)])
+def test_waves_are_looked_for_up_to_twice_the_gear_and_in_the_joints_own_turn_at_least(ratio, highest):
+    scene = telling_scene()
+    robot = replace(scene.setting.robot, gear_ratios=(ratio,) * 6)
+
+    tried = orders(replace(scene, setting=scene.setting._replace(robot=robot)), 0)
+
+    assert tried == tuple(range(1, highest + 1))
