@@ -192,7 +192,9 @@ _SMALLEST_MOVE_RAD = np.deg2rad(5.0)  # root mean square; over less, a share of 
 def _moving(scene: Scene) -> list[Place]:
     if scene.stops.move_rad is None:
         return []
-    usual = np.sqrt(np.mean(np.nan_to_num(scene.stops.move_rad) ** 2, axis=0))
+    # Over the moves that are known: others, counted as 0, would hide a joint that moves far now and then.
+    known = np.isfinite(scene.stops.move_rad).sum(axis=0)
+    usual = np.sqrt(np.nansum(scene.stops.move_rad**2, axis=0) / np.maximum(known, 1))
     return [(joint,) for joint in (np.flatnonzero(usual >= _SMALLEST_MOVE_RAD) + 1).tolist()]
 
 

@@ -162,6 +162,18 @@ def test_joints_that_hardly_move_between_stops_show_no_lag():
     assert "lag" not in kinds_of(UNNAMED.candidates(replace(scene, stops=creeping)))
 
 
+def test_moves_that_are_not_known_do_not_hide_a_joint_that_moves_far():
+    scene = telling_scene()
+    move_rad = np.full((len(scene.stops), 6), np.nan)
+    move_rad[::4, 2] = np.deg2rad(7.0)
+
+    places = [
+        c.subject for c in UNNAMED.candidates(replace(scene, stops=replace(scene.stops, move_rad=move_rad)))
+    ]
+
+    assert [subject for subject in places if "last move" in subject] == ["joint 3, last move, line"]
+
+
 def test_a_joint_that_lags_stays_behind_by_a_share_of_its_move():
     specs = [spec for c in UNNAMED.candidates(telling_scene()) for spec in c.specs if "lag_2" in spec.name]
     stops = telling_campaign().calibration.stops
