@@ -185,6 +185,8 @@ class _Totals:
         self._squares += float(errors @ errors)
         np.multiply(errors, 1.0 / self._width, out=room)
         room += self._zero  # above 0, where to cut off is to round down
+        # Of places that nearly coincide rounding may bring an error out of reach: it counts in the last bin.
+        np.clip(room, 0.0, self._counts.size - 1, out=room)
         self._counts += np.bincount(room.astype(np.int64), minlength=self._counts.size)
         np.abs(errors, out=room)
         self._absolute += float(room.sum())

@@ -75,6 +75,20 @@ def test_places_that_were_commanded_twice_keep_their_micrometres():
     assert_same(found, plain(seen, predicted), atol=1e-4)  # what is promised where places coincide
 
 
+@pytest.mark.parametrize("error_mm", [1e-7, 1e-6, 4e-6])
+def test_places_that_nearly_coincide_have_no_error_out_of_reach(error_mm):
+    """Five metres off their middle, squares of lengths are rounded at 1e-8 mm2: lengths at 1e-4 mm."""
+    rng = np.random.default_rng(29)
+    seen = np.repeat(rng.uniform(-5000.0, 5000.0, (100, 3)), 2, axis=0)
+    seen += 3e-5 * rng.standard_normal(seen.shape)
+    predicted = seen + error_mm * rng.standard_normal(seen.shape)
+
+    found = pair_errors(seen, (predicted,))[0]
+
+    assert sum(found.histogram.counts) == found.n == 200 * 199 // 2
+    assert found.largest_mm < 1e-4  # what is promised where places coincide
+
+
 def test_an_error_of_nothing_is_nothing():
     seen, _ = cloud(200)
 
