@@ -71,9 +71,10 @@ def pose_performance(commanded: Sequence[CommandedPose], visits: Visits) -> Perf
     ConfigurationError
         There are not five poses.
     """
-    if len({pose.number for pose in commanded}) != POSES:
+    numbers = {pose.number for pose in commanded}
+    if len(numbers) != POSES:
         raise ConfigurationError(
-            f"ISO 9283 asks for the five poses P1 to P5; {_are(len(commanded))} there: measure all of them."
+            f"ISO 9283 asks for the five poses P1 to P5; {_are(len(numbers))} there: measure all of them."
         )
     found = Performance((), ())
     for pose in sorted(commanded, key=lambda one: one.number):

@@ -62,7 +62,9 @@ class Cube:
     plane: Plane = "y+"
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.edge_mm) and self.edge_mm > 0.0 and np.isfinite(self.centre_mm).all()):
+        if not np.isfinite(self.centre_mm).all():
+            raise ConfigurationError("The centre of the cube is no place: give three numbers in mm.")
+        if not (np.isfinite(self.edge_mm) and self.edge_mm > 0.0):
             raise ConfigurationError(
                 f"A cube with an edge of {self.edge_mm:g} mm is none: give one above 0 mm."
             )

@@ -208,6 +208,11 @@ def test_fewer_than_five_poses_are_refused(n, said):
         pose_performance(COMMANDED[:n], five_poses())
 
 
+def test_a_pose_that_is_commanded_twice_is_one():
+    with pytest.raises(ConfigurationError, match="five poses P1 to P5; 4 are there"):
+        pose_performance((*COMMANDED[:4], COMMANDED[3]), five_poses())
+
+
 def test_cycles_that_hold_one_end_only_give_no_distance():
     seen = five_poses(scatter_mm=0.01, cycles=31)
     kept = np.flatnonzero(~((seen.pose == 2) & (seen.cycle == 1)) & ~((seen.pose == 4) & (seen.cycle == 2)))

@@ -110,3 +110,9 @@ def test_a_cube_that_is_too_large_is_refused(cube, sentence):
 def test_a_cube_without_edges_is_refused(edge_mm):
     with pytest.raises(ConfigurationError, match="give one above 0 mm"):
         Cube((370.0, 0.0, 400.0), edge_mm)
+
+
+@pytest.mark.parametrize("off", [float("nan"), float("inf")])
+def test_a_cube_that_is_nowhere_is_refused(off):
+    with pytest.raises(ConfigurationError, match="centre of the cube is no place"):
+        Cube((370.0, off, 400.0), 200.0)
