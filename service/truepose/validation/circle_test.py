@@ -10,7 +10,7 @@ Backlash itself is found from pairs of readings at one angle, which needs none o
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -28,7 +28,7 @@ from truepose.validation.circle_errors import (
     find_sweeps,
     fit_circle,
 )
-from truepose.validation.uncertainty import Figure
+from truepose.validation.uncertainty import ROUNDING_MM, Figure
 
 _HIGHEST_ORDER: Final = 2  # an encoder off centre makes one, an oval gear two; a diagnosis knows faster ones
 _WHOLE: Final = 5.0 / 6.0  # of a period that the arc must hold
@@ -338,7 +338,7 @@ def circle_test(points: PointReadings) -> CircleTest:
     Parameters
     ----------
     points : PointReadings
-        n >= 1 rows, in any frame; standard uncertainties above 0.
+        n >= 1 rows, in any frame. A standard uncertainty of 0 is taken for a millionth of a millimetre.
 
     Returns
     -------
@@ -350,6 +350,8 @@ def circle_test(points: PointReadings) -> CircleTest:
     ConfigurationError
         No joint is turned alone.
     """
+    stated = np.maximum(points.standard_uncertainty_mm, ROUNDING_MM)
+    points = replace(points, standard_uncertainty_mm=stated)
     judged = [_judged(points, sweep) for sweep in find_sweeps(points)]
     return CircleTest(
         tuple(one for one in judged if isinstance(one, JointCircle)),

@@ -27,12 +27,11 @@ from truepose.validation.sphere_errors import (
     radial_errors,
     taught_centre,
 )
-from truepose.validation.uncertainty import Figure
+from truepose.validation.uncertainty import ROUNDING_MM, Figure
 
 BY_CHANCE: Final = 0.01  # so rarely noise alone shows errors as large
 _FEWEST: Final = 6  # lengths about one ball: three say where it is
 _FEWEST_OF_A_NEST: Final = 2
-_ROUNDING_MM: Final = 1e-6  # scatter of a reading whose file states none worth the name
 NOMINAL: Final = "nominal"
 
 
@@ -277,7 +276,7 @@ class _Judge:
 
     def _variance(self, legs: LegReadings) -> FloatArray:
         """Return the variance of each length, the arm's scatter included, shape (n,) [mm2]."""
-        stated = np.maximum(legs.standard_uncertainty_mm, _ROUNDING_MM) ** 2
+        stated = np.maximum(legs.standard_uncertainty_mm, ROUNDING_MM) ** 2
         return np.asarray(stated + self.campaign.scatter_mm**2)
 
 

@@ -29,6 +29,8 @@ from truepose.identification.verdict.judge import Assessment
 from truepose.identification.verdict.pose_errors import aligned_errors, rigid_motions
 from truepose.validation.distance_errors import Distances
 
+ROUNDING_MM: Final = 1e-6  # scatter of a reading whose file states none worth the name
+
 
 @dataclass(frozen=True, slots=True)
 class Figure:

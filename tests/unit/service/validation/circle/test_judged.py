@@ -125,6 +125,13 @@ def test_who_states_a_gain_does_not_say_that_no_error_is_seen():
     assert not any(test.is_noise for test in gained)
 
 
+def test_readings_that_state_no_uncertainty_are_judged_by_their_own_scatter():
+    told, silent = (one(1, scatter_mm=0.01, u_mm=u_mm) for u_mm in (1e-6, 0.0))
+
+    assert silent.errors.angular_rad == pytest.approx(told.errors.angular_rad, abs=1e-12)
+    assert silent.circle.radius_uncertainty_mm == pytest.approx(told.circle.radius_uncertainty_mm)
+
+
 def test_a_gross_reading_is_set_aside_and_named():
     points = read_on(IRB_120, turned(1, _ANGLES), scatter_mm=_U_MM)
     points.position_mm[7] += (0.3, 0.4, 0.5)
