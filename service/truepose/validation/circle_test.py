@@ -292,12 +292,13 @@ class JointCircle:
     @property
     def tangential_range_mm(self) -> Figure:
         """Largest less smallest tangential error."""
-        return _range(self.errors.tangential_mm, self.errors.tangential_uncertainty_mm)
+        turned, radius = self.angular_range_rad, self.errors.radius_mm
+        return Figure(turned.value * radius, turned.standard_uncertainty * radius)
 
     @property
     def angular_range_rad(self) -> Figure:
         """Largest less smallest angular error."""
-        return _range(self.errors.angular_rad, self.errors.angular_uncertainty_rad)
+        return _range(self.errors)
 
     @property
     def radial_range_mm(self) -> float:
@@ -417,7 +418,13 @@ def _usable(circle: Circle | None, u_mm: float, arc_rad: float) -> Circle | Mess
     return circle
 
 
-def _range(values: FloatArray, uncertainty: FloatArray) -> Figure:
-    """Return the range of values; those at its ends are taken for independent."""
-    ends = [int(values.argmax()), int(values.argmin())]
-    return Figure(float(np.ptp(values)), float(np.hypot(*uncertainty[ends])))
+def _range(errors: CircleErrors) -> Figure:
+    """Return the range of the angular errors [rad]; the axis is off for both of its ends alike.
+
+    What is read at zero, against which both are held, cancels.
+    """
+    ends = [int(errors.angular_rad.argmax()), int(errors.angular_rad.argmin())]
+    axis = float(np.linalg.norm(np.subtract(*errors.axis_rad[ends])))
+    return Figure(
+        float(np.ptp(errors.angular_rad)), float(np.hypot(np.hypot(*errors.reading_rad[ends]), axis))
+    )
