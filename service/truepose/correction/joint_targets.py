@@ -15,8 +15,9 @@ from truepose.correction.inverse import SearchEnd, attain, merged, replaced
 from truepose.correction.results import ANY_BRANCH, Corrections, joined, judged
 from truepose.correction.target_poses import FAR_RAD, FLANGE, Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Stops, told_moves
+from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model
+from truepose.domain.last_moves import told_moves
 from truepose.identification.model.estimates import (
     Estimate,
     check_nests,

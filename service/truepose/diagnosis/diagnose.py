@@ -13,8 +13,9 @@ from truepose.diagnosis.baseline_fit import Start, scene_of, stands, started
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.refinement import with_exact_moments, with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
-from truepose.domain.campaign import Campaign, with_last_moves
+from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.last_moves import with_last_moves
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES

@@ -13,13 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
-from truepose.domain.campaign import (
-    Campaign,
-    CupSetups,
-    FixtureLengths,
-    LegReadings,
-    PointReadings,
-)
+from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, PointReadings
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.domain.identification import Anchor, Identification
 from truepose.identification.identify import identify

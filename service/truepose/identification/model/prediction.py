@@ -20,8 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops, told_moves
+from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model, ModelInadequacy, Parameter
+from truepose.domain.last_moves import told_moves
 from truepose.effects.ports import ParameterSpec, PortKind, Rows
 from truepose.effects.registry import effect_named
 from truepose.identification.model.derivatives import (

@@ -22,14 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import (
-    Campaign,
-    ContactReadings,
-    LegReadings,
-    PointReadings,
-    Quantity,
-    Stops,
-)
+from truepose.domain.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.frames.base_frame import NAME as BASE
 from truepose.effects.frames.tool_nests import NAME as TOOL

@@ -21,8 +21,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.campaign import LegReadings, PointReadings, Readings, Stops, sites, told_moves
+from truepose.domain.campaign import LegReadings, PointReadings, Readings, Stops, sites
 from truepose.domain.identification import Model, NominalAndIdentified, PureError, Statistics
+from truepose.domain.last_moves import told_moves
 from truepose.identification.distributions import carlson_rg, f_exceeded
 from truepose.identification.model.derivatives import mean_variance, position_jacobian
 from truepose.identification.model.estimates import (

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from truepose.domain.campaign import Stops, told_moves
+from truepose.domain.campaign import Stops
+from truepose.domain.last_moves import told_moves
 
 JOINTS = np.array([[0.1, 0.2], [0.1, 0.2], [0.5, -0.3], [0.4, 0.9]])  # two nests were read in the first
 CONFIG = np.array([7, 7, 8, 9])
