@@ -1,21 +1,21 @@
 """Base drift: the base moves slowly under the arm (a floor that warms up, a foot that settles).
 
 The shift is that of the base's own origin, along the base's axes: body 0 of the chain, whose six components
-move by rate times way (`effects.motions`).
+move by rate times way (`effects.drifts`).
 """
 
 from dataclasses import replace
 
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.motions import (
+from truepose.effects.drifts import (
     LINEAR,
     describe_drift,
     drift_candidates,
     drift_specs,
     drift_terms,
     goes_on,
-    without_times,
 )
+from truepose.effects.motions import without_times
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.messages.message import Text, message, together
 

@@ -1,22 +1,22 @@
 """Instrument drift: the tracker's frame moves slowly (tripod, warming up), and with it all that it reads.
 
 The shift is that of readings at the world's origin: the six components of the instrument's motion move by
-rate times way (`effects.motions`). It can be told from a drift of the base only where fixed nests are read
+rate times way (`effects.drifts`). It can be told from a drift of the base only where fixed nests are read
 now and then: they stand still beside a base that moves.
 """
 
 from dataclasses import replace
 
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.motions import (
+from truepose.effects.drifts import (
     LINEAR,
     describe_drift,
     drift_candidates,
     drift_specs,
     drift_terms,
     goes_on,
-    without_times,
 )
+from truepose.effects.motions import without_times
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.messages.message import Text, message, together
 
