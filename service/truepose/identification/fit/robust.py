@@ -21,16 +21,12 @@ by one another (`observations.fixed_nests`): a model that they contradict does n
 
 References
 ----------
-T. R. Chandrupatla, A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function
-without using derivatives, Adv. Eng. Software 28, 1997.
 D. J. C. MacKay, Neural Computation 4(3), 1992, 415-447 (evidence for the width of a prior).
 D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
 P. J. Rousseeuw, A. M. Leroy, Robust Regression and Outlier Detection, 1987.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +34,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.distributions import chi2_limit, chi2_median
+from truepose.identification.fit.root_finding import crossing
 from truepose.identification.fit.solver import Solution, absorbed, solve
 from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
@@ -50,59 +47,6 @@ from truepose.identification.observations.blocks import (
     linearise_blocks,
     reweighed,
 )
-
-_TOLERANCE = 1e-6  # of the crossing
-_SMALLEST = 1e-12  # and, for one near zero, absolutely
-
-
-class _At(NamedTuple):
-    x: float
-    value: float
-
-
-def crossing(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return where `function` is zero, by Chandrupatla's method.
-
-    Parameters
-    ----------
-    function : callable
-        Continuous; of different signs at the two ends.
-    low, high : float
-        The two ends, in the unit of the argument.
-
-    Returns
-    -------
-    float
-        Within a millionth of itself, or within 1e-12 where it is near zero.
-    """
-    new, other = (_At(x, function(x)) for x in (high, low))
-    before = other
-    share = 0.5
-    while True:
-        x = new.x + share * (other.x - new.x)
-        latest = _At(x, function(x))
-        if (latest.value > 0.0) == (new.value > 0.0):
-            before = new
-        else:
-            before, other = other, new
-        new = latest
-        nearest = min(new, other, key=lambda at: abs(at.value))
-        smallest = (_TOLERANCE * abs(nearest.x) + _SMALLEST) / abs(other.x - new.x)
-        if nearest.value == 0.0 or smallest > 0.5:
-            return nearest.x
-        share = min(max(_next_share(new, other, before), smallest), 1.0 - smallest)
-
-
-def _next_share(new: _At, other: _At, before: _At) -> float:
-    """Return where to look next, from `new` (0) to `other` (1): on a parabola, or in the middle."""
-    xi = (new.x - other.x) / (before.x - other.x)
-    phi = (new.value - other.value) / (before.value - other.value)
-    if phi**2 >= xi or (1.0 - phi) ** 2 >= 1.0 - xi:
-        return 0.5
-    chord = new.value / (other.value - new.value) * before.value / (other.value - before.value)
-    bend = (before.x - new.x) / (other.x - new.x)
-    return chord + bend * new.value / (before.value - new.value) * other.value / (before.value - other.value)
-
 
 _SOFT_ROUNDS = 40
 _SETTLED = 1e-3  # relative change of the typical residual

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truepose.identification.fit.robust import crossing
+from truepose.identification.fit.root_finding import crossing
 
 
 @given(st.floats(1e-3, 0.999), st.sampled_from([1, 3, 9]))
