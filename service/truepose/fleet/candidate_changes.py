@@ -9,8 +9,9 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause
+from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.mixed_model import Posterior
-from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
+from truepose.fleet.trials import Change, Kind, Scope, Score, Trial, excess_of, shapes
 
 SCOPES: Final = 4  # robots, type, instruments and campaigns: a quarter of the level each
 TOGETHER: Final = 2  # changes of instruments are tried alone and in pairs, at half the level each

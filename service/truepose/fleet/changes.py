@@ -31,15 +31,10 @@ from truepose.fleet.candidate_changes import (
     trials_of,
 )
 from truepose.fleet.causes import AgeingCause, robot_causes
+from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
 from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
-from truepose.fleet.trials import (
-    Change,
-    InstrumentDays,
-    Scope,
-    Trial,
-    seen_of,
-)
+from truepose.fleet.trials import Change, Scope, Trial, seen_of
 from truepose.identification.distributions import chi2_exceeded
 
 LEVEL: Final = 0.01

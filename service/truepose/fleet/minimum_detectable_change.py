@@ -32,7 +32,8 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause
 from truepose.fleet.changes import Account
-from truepose.fleet.trials import InstrumentDays, Score, shapes
+from truepose.fleet.instrument_scales import InstrumentDays
+from truepose.fleet.trials import Score, shapes
 
 SHOWN: Final = 0.95
 _UNSEEN: Final = 1e-9  # of the largest eigenvalue

@@ -27,8 +27,8 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, RealChange
+from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.mixed_model import Equations, NamedChange, Posterior, estimate
-from truepose.fleet.trials import InstrumentDays
 
 _SPANS: Final = 12  # of time, into which the days of a whole type are gathered where there are more
 

@@ -7,9 +7,10 @@ import pytest
 
 from tests.helpers.fleet.ageing import SCALE, ZERO, ages, fleet_of, zero
 from truepose.fleet.changes import account_of
+from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.minimum_detectable_change import least_of_instruments
 from truepose.fleet.mixed_model import Equations, Posterior
-from truepose.fleet.trials import InstrumentDays, Score
+from truepose.fleet.trials import Score
 
 _SEEDS = range(60, 100)
 

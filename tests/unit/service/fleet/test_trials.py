@@ -10,9 +10,10 @@ from scipy.special import chdtrc
 from tests.helpers.fleet.linear import Dense, drawn, told
 from truepose.fleet.campaigns import FleetCampaign, fleet_of
 from truepose.fleet.changes import account_of
+from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.minimum_detectable_change import least_of_instruments
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
-from truepose.fleet.trials import Evidence, InstrumentDays, Score, excess_of, largest_ratio, shapes
+from truepose.fleet.trials import Evidence, Score, excess_of, largest_ratio, shapes
 
 _ROBOT, _DAY = (0.3, 0.1, 0.1), 0.05
 
