@@ -1,7 +1,8 @@
 """The pose device: six ballbar lengths between three cups and three nests give the pose of the tool.
 
 `cascade` solves the thesis' pattern of legs in closed form, `assemblies` lists the ways to put it together,
-`starts` solves any six legs that hold the tool, and `least_squares` fits a pose to any number of them.
+`starts` solves any six legs that hold the tool, `leg_lengths` gives the lengths at a pose and their
+derivatives, and `least_squares` fits a pose to any number of legs.
 """
 
 from truepose.kinematics.pose_device.assemblies import (
@@ -22,16 +23,13 @@ from truepose.kinematics.pose_device.cascade import (
     solve,
 )
 from truepose.kinematics.pose_device.least_squares import (
-    Fixtures,
-    LinearLegs,
     PoseEstimate,
     RecognisedAssembly,
     fitting_poses,
-    foreseen,
     least_squares_pose,
-    linear_legs,
     recognise_assembly,
 )
+from truepose.kinematics.pose_device.leg_lengths import Fixtures, LinearLegs, foreseen, linear_legs
 from truepose.kinematics.poses import Pose, pose_covariance, pose_of, turn_between
 
 __all__ = [

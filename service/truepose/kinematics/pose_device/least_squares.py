@@ -1,12 +1,9 @@
 r"""The pose that fits any number of legs best, with its covariance and a test of the fit.
 
-Leg k joins cup c and nest n (in the last frame): l = |R n + x - c|. With the unit vector e from cup to nest,
-
-    dl = e . dx + (R n x e) . dw - e . dc + e . R dn
-
 Cups and nests are known with uncertainty only. They are not fitted: their errors are part of the error of
-the legs, whose covariance is V = S + C S_c C' + N S_n N'. To first order, minimising r' V^-1 r gives the same
-pose, covariance and chi-squared as fitting them with their priors, with six unknowns instead of twenty-one.
+the legs, whose covariance is V = S + C S_c C' + N S_n N' (`leg_lengths`). To first order, minimising
+r' V^-1 r gives the same pose, covariance and chi-squared as fitting them with their priors, with six unknowns
+instead of twenty-one.
 
 The starts are all exact solutions of the smallest sets of legs that can be solved, so no guess is needed.
 
@@ -22,124 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast
+from truepose.domain.arrays import FloatArray
+from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device.cascade import outward
+from truepose.kinematics.pose_device.leg_lengths import Fixtures, linear_legs
 from truepose.kinematics.pose_device.starts import starting_poses
 from truepose.kinematics.poses import Pose, points_gradient
-
-
-@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
-class Fixtures:
-    """Cups and nests as they are known, and how well.
-
-    Attributes
-    ----------
-    cups_mm : ndarray, shape (K, 3)
-        In the frame in which the pose is wanted.
-    nests_mm : ndarray, shape (3, 3)
-        In the last frame of the arm.
-    cups_covariance_mm2 : ndarray, shape (3K, 3K), or None
-        Cup by cup; None: exact.
-    nests_covariance_mm2 : ndarray, shape (9, 9), or None
-        Nest by nest; None: exact.
-    """
-
-    cups_mm: FloatArray  # (K, 3) in the frame in which the pose is wanted
-    nests_mm: FloatArray  # (3, 3) in the last frame of the arm
-    cups_covariance_mm2: FloatArray | None = None  # (3K, 3K), cup by cup; None: exact
-    nests_covariance_mm2: FloatArray | None = None  # (9, 9), nest by nest; None: exact
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LinearLegs:
-    """Legs at a pose, and how they change near it.
-
-    Attributes
-    ----------
-    length_mm : ndarray, shape (n,)
-    gradient : ndarray, shape (n, 6)
-        Per shift [mm/mm] and turn [mm/rad] of the pose, along the axes of the cups' frame.
-    fixtures_covariance_mm2 : ndarray, shape (n, n)
-        Of the lengths, from cups and nests.
-    """
-
-    length_mm: FloatArray  # (n,)
-    gradient: FloatArray  # (n, 6) per shift [mm] and turn [rad] of the pose
-    fixtures_covariance_mm2: FloatArray  # (n, n) from cups and nests
-
-
-def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLegs:
-    """Return legs at a pose of the last frame, by the formulas of the module's head.
-
-    Parameters
-    ----------
-    fixtures : Fixtures
-    legs : sequence of (cup, nest)
-        n of them, numbers from 1.
-    pose : Pose
-        No nest of a leg may lie in its cup: a leg of no length has no direction.
-    """
-    # Legs that share a cup or a nest share its error: the covariance is one of all legs, not a variance each.
-    cup, nest = np.array(legs).T - 1
-    apart = pose.points(fixtures.nests_mm)[nest] - fixtures.cups_mm[cup]
-    length = np.linalg.norm(apart, axis=1)
-    unit = apart / length[:, None]
-    gradient = np.einsum("ni,nij->nj", unit, points_gradient(pose, fixtures.nests_mm)[nest])
-    added = np.zeros((len(legs), len(legs)))
-    if fixtures.cups_covariance_mm2 is not None:
-        added += _through(unit, cup, fixtures.cups_covariance_mm2)
-    if fixtures.nests_covariance_mm2 is not None:
-        added += _through(unit @ pose.rotation, nest, fixtures.nests_covariance_mm2)
-    return LinearLegs(np.asarray(length), gradient, added)
-
-
-def _through(unit: FloatArray, point: IntArray, covariance: FloatArray) -> FloatArray:
-    """Return the covariance (n, n) of lengths along `unit` from points whose covariance is given.
-
-    Parameters
-    ----------
-    unit : ndarray, shape (n, 3)
-        Direction of each length, in the frame of the points.
-    point : ndarray of int, shape (n,)
-        From 0.
-    covariance : ndarray, shape (3 points, 3 points)
-        [mm2]
-    """
-    # Rows and columns of the points of the legs, once each: a cup with three legs stands three times in it.
-    blocks = covariance.reshape(len(covariance) // 3, 3, -1, 3)[point][:, :, point]
-    added: FloatArray = np.einsum("ni,nimj,mj->nm", unit, blocks, unit)
-    return added
-
-
-def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray) -> PoseForecast:
-    """Foresee the lengths of every pair of cup and nest at a commanded pose.
-
-    With G the derivatives of the lengths, C = G C_pose G^T + V, V from the cups and nests.
-
-    Parameters
-    ----------
-    config : int
-        Number of the configuration in the campaign.
-    fixtures : Fixtures
-    pose : Pose
-        Where the last frame is believed to be.
-    covariance : ndarray, shape (6, 6)
-        Of that belief: shift [mm], then turn [rad], about the axes of the cups' frame.
-
-    Returns
-    -------
-    PoseForecast
-        All pairs, cup by cup, with the covariance of their errors [mm2].
-    """
-    # Every pair and not only those that are planned: what is read may be of another one.
-    legs = tuple((cup, nest) for cup in range(1, len(fixtures.cups_mm) + 1) for nest in (1, 2, 3))
-    linear = linear_legs(fixtures, legs, pose)
-    total = linear.gradient @ covariance @ linear.gradient.T + linear.fixtures_covariance_mm2
-    return PoseForecast(config, legs, tuple(linear.length_mm.tolist()), tuple(map(tuple, total.tolist())))
-
 
 # Per coordinate of a nest. The nominal robot of the thesis is off by 1.7 mm in space (rms, chapter 4), 1 mm
 # per coordinate; twice that, so that its worst 5.2 mm still counts as the robot's own error.
