@@ -31,8 +31,8 @@ from truepose.domain.ballbar import TOLD_APART, ArmKind, BallbarPlan, Leg, Plann
 from truepose.domain.cell import BallbarKit, Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.frames import cross_matrix, directions
+from truepose.planning.ballbar.arm_model import arm_model
 from truepose.planning.ballbar.bodies import BallbarCell, chain_of
-from truepose.planning.ballbar.expected_information import arm_model
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.errors import WorkSpaceError
 

@@ -22,7 +22,8 @@ from truepose.domain.ballbar import PlannedPose
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
-from truepose.planning.ballbar.paths import Stop, Surroundings, tour
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings
+from truepose.planning.ballbar.paths import tour
 from truepose.planning.errors import AimError
 
 SPAN_MM: Final = 0.7

@@ -23,12 +23,11 @@ from truepose.kinematics.frames import (
 )
 from truepose.kinematics.inverse import has_closed_form
 from truepose.kinematics.pose_device import Assembly
+from truepose.planning.ballbar.arm_model import ArmModel, arm_model
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, base_fixture, fixture_body
 from truepose.planning.ballbar.expected_information import (
     SPACE_POINTS,
-    ArmModel,
     WorkSpaceSample,
-    arm_model,
     predicted_error_mm,
     work_space_sample,
 )

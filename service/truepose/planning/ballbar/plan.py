@@ -11,15 +11,12 @@ from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import check_triangle
+from truepose.planning.ballbar.arm_model import ArmModel, arm_model
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
 from truepose.planning.ballbar.clearance import is_clear
-from truepose.planning.ballbar.expected_information import (
-    SPACE_POINTS,
-    ArmModel,
-    arm_model,
-    work_space_sample,
-)
-from truepose.planning.ballbar.paths import Stop, Surroundings, Tour, away, lift, tour, way
+from truepose.planning.ballbar.expected_information import SPACE_POINTS, work_space_sample
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, lift
+from truepose.planning.ballbar.paths import Tour, away, tour, way
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose, require_candidates
 from truepose.planning.ballbar.poses import planned, setups, subset

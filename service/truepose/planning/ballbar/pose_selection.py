@@ -19,9 +19,9 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.ballbar import PlannedSetup
 from truepose.kinematics.pose_device import Assembly
+from truepose.planning.ballbar.arm_model import ArmModel
 from truepose.planning.ballbar.bodies import BaseFixture
 from truepose.planning.ballbar.expected_information import (
-    ArmModel,
     PoseRows,
     SessionInformation,
     WorkSpaceSample,

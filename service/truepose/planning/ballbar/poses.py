@@ -28,7 +28,7 @@ from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_with
 from truepose.kinematics.pose_device import Assembly, assemblies, measurable
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, pose_in_base, tool_normal
 from truepose.planning.ballbar.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at, without_cups
-from truepose.planning.ballbar.paths import Stop, Surroundings, can_lift
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, can_lift
 from truepose.planning.errors import WorkSpaceError
 
 

@@ -40,16 +40,8 @@ from truepose.planning.ballbar.clearance import (
     bar_room_mm,
     bodies_at,
 )
-from truepose.planning.ballbar.paths import (
-    Stop,
-    Surroundings,
-    Tour,
-    away,
-    between,
-    is_clear_along,
-    lift,
-    tour,
-)
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, between, is_clear_along, lift
+from truepose.planning.ballbar.paths import Tour, away, tour
 from truepose.planning.ballbar.poses import inside, orientations_facing, setup_joints
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 

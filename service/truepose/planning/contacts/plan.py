@@ -17,8 +17,9 @@ from truepose.planning.contacts.plan_request import ContactPlanRequest, normal_o
 from truepose.planning.contacts.poses import Goals, ReachablePoses, draw_goals, groups_of, reached
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
-from truepose.planning.workspace.bodies import CellBodies, Ways, bodies_of, least_rooms_mm
+from truepose.planning.workspace.bodies import CellBodies, bodies_of
 from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.path_clearance import Ways, least_rooms_mm
 from truepose.planning.workspace.space import (
     WorkSpace,
     nest_places,

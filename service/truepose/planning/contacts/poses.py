@@ -20,7 +20,8 @@ from truepose.domain.robot import JointRange
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.kinematics.inverse import all_branches, brought_within
 from truepose.planning.contacts.plan_request import ContactPlanRequest, mean_normal, normal_of, place_of
-from truepose.planning.workspace.bodies import CellBodies, Ways, least_rooms_mm, rooms
+from truepose.planning.workspace.bodies import CellBodies, rooms
+from truepose.planning.workspace.path_clearance import Ways, least_rooms_mm
 from truepose.planning.workspace.space import WorkSpace
 
 _CAP_COSINE: Final = 0.25  # of a sphere: the rest is where its stem is

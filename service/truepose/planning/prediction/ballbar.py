@@ -22,15 +22,9 @@ from truepose.domain.cell import BallbarKit, Cell, KeepOuts
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
+from truepose.planning.ballbar.arm_model import ArmModel, Scatter, arm_model
 from truepose.planning.ballbar.bodies import BaseFixture
-from truepose.planning.ballbar.expected_information import (
-    ArmModel,
-    Scatter,
-    WorkSpaceSample,
-    arm_model,
-    error_gradient,
-    error_weight,
-)
+from truepose.planning.ballbar.expected_information import WorkSpaceSample, error_gradient, error_weight
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.pose_selection import (

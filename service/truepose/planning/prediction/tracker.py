@@ -25,8 +25,9 @@ from truepose.planning.prediction.plan import (
     require_some,
     sample,
 )
-from truepose.planning.tracker.paths import clear_order, clear_tour, mended, pool_of
+from truepose.planning.tracker.path_repair import clear_tour, mended, pool_of
 from truepose.planning.tracker.plans import N_CANDIDATES, short_tour
+from truepose.planning.tracker.pose_order import clear_order
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
 from truepose.planning.workspace.capsules import look_at
 from truepose.planning.workspace.space import WorkSpace, are_loaded_one_way

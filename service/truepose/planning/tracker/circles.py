@@ -18,8 +18,9 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.session import PlannedStop, SessionPlan, Turn
-from truepose.planning.workspace.bodies import Ways, bodies_in, touching
+from truepose.planning.workspace.bodies import bodies_in
 from truepose.planning.workspace.candidates import cosines_in_sight, has_room, is_seen
+from truepose.planning.workspace.path_clearance import Ways, touching
 from truepose.planning.workspace.space import (
     WorkSpace,
     nest_places,

@@ -15,7 +15,8 @@ from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.frames import quaternion_from_rotation
 from truepose.planning.exchange_algorithm import Selection, choose_by_exchange, rank_substitutes
-from truepose.planning.tracker.paths import clear_order, is_clear, mended_or_toured, pool_of
+from truepose.planning.tracker.path_repair import is_clear, mended_or_toured, pool_of
+from truepose.planning.tracker.pose_order import clear_order
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
 from truepose.planning.workspace.space import WorkSpace, nominal_chain
 

@@ -23,14 +23,8 @@ from truepose.domain.ledger import LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.messages.message import Message, Text, message
 from truepose.planning.ballbar.length_forecast import known_beforehand, unseen_swaps
-from truepose.planning.workspace.bodies import (
-    CellBodies,
-    Ways,
-    bodies_of,
-    rooms,
-    what_blocks_a_way,
-    what_to_watch,
-)
+from truepose.planning.workspace.bodies import CellBodies, bodies_of, rooms
+from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way, what_to_watch
 from truepose.sessions.ballbar.early_length_check import EarlyJudge
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.plan import steps

@@ -15,7 +15,8 @@ from truepose.messages.message import Text, message
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import PlanningError
-from truepose.planning.workspace.bodies import Ways, bodies_of, what_blocks_a_way, what_to_watch
+from truepose.planning.workspace.bodies import bodies_of
+from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way, what_to_watch
 from truepose.sessions.contact.dry_run import check_plan
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner

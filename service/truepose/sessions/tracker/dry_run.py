@@ -12,7 +12,7 @@ from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, R
 from truepose.domain.session import PlaceOf, PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.messages.message import Text, message
-from truepose.planning.workspace.bodies import ways_between, what_to_watch
+from truepose.planning.workspace.path_clearance import ways_between, what_to_watch
 from truepose.planning.workspace.space import WorkSpace, widened
 from truepose.sessions.engine.interlocks import binding_speed, check_numbers, joint_outside
 from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain

@@ -9,15 +9,8 @@ from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.messages.message import Message, Text, message
 from truepose.planning.tracker.additions import Addition, WantedStop, addition
-from truepose.planning.workspace.bodies import (
-    CellBodies,
-    Ways,
-    bodies_of,
-    ways_between,
-    what_blocks_a_way,
-    what_is_in_the_way,
-    what_to_watch,
-)
+from truepose.planning.workspace.bodies import CellBodies, bodies_of, what_is_in_the_way
+from truepose.planning.workspace.path_clearance import Ways, ways_between, what_blocks_a_way, what_to_watch
 from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot

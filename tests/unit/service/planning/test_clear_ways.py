@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
-from truepose.planning.tracker.paths import clear_order, room_mm
 from truepose.planning.tracker.plans import plan_calibration, plan_validation
+from truepose.planning.tracker.pose_order import clear_order, room_mm
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import heights_above_table_mm
 

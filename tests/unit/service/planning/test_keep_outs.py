@@ -16,9 +16,10 @@ from truepose.planning.prediction.plan import because_of
 from truepose.planning.prediction.tracker import promised_session, session_plan
 from truepose.planning.tracker.additions import WantedStop, addition
 from truepose.planning.tracker.plans import plan_validation
-from truepose.planning.workspace.bodies import bodies_of, ways_between, what_blocks_a_way, what_is_in_the_way
+from truepose.planning.workspace.bodies import bodies_of, what_is_in_the_way
 from truepose.planning.workspace.candidates import cosines_in_sight, draw_candidates, is_seen
 from truepose.planning.workspace.capsules import least_mm, signed_mm
+from truepose.planning.workspace.path_clearance import ways_between, what_blocks_a_way
 from truepose.planning.workspace.space import cosines_to_tracker, nominal_chain
 
 FEW = 400

@@ -13,10 +13,11 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.errors import NoWayError
 from truepose.planning.observability import observability_o1
 from truepose.planning.tracker import plans
-from truepose.planning.tracker.paths import mended, pool_of
+from truepose.planning.tracker.path_repair import mended, pool_of
 from truepose.planning.tracker.plans import plan_calibration, plan_validation, scaled_jacobians
-from truepose.planning.workspace.bodies import bodies_in, rooms, touching, ways_between
+from truepose.planning.workspace.bodies import bodies_in, rooms
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
+from truepose.planning.workspace.path_clearance import touching, ways_between
 from truepose.planning.workspace.space import space_of_cell
 
 FEW = 200  # candidates: enough for the tests, a tenth of the time

@@ -14,10 +14,9 @@ from truepose.domain.robot import Nest
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.messages.catalogue import english
-from truepose.planning.workspace.bodies import (
+from truepose.planning.workspace.bodies import bodies_of, rooms
+from truepose.planning.workspace.path_clearance import (
     Ways,
-    bodies_of,
-    rooms,
     touching,
     ways_between,
     what_blocks_a_way,

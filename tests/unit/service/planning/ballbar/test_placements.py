@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
-from truepose.planning.ballbar.expected_information import arm_model, predicted_error_mm, work_space_sample
+from truepose.planning.ballbar.arm_model import arm_model
+from truepose.planning.ballbar.expected_information import predicted_error_mm, work_space_sample
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import candidates, known_after
 from truepose.planning.ballbar.poses import setups

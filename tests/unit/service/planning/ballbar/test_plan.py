@@ -11,10 +11,11 @@ from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
 from truepose.domain.cell import CellLimits
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
+from truepose.planning.ballbar.arm_model import arm_model
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.clearance import is_clear
-from truepose.planning.ballbar.expected_information import arm_model, of_poses, pose_rows
-from truepose.planning.ballbar.paths import between
+from truepose.planning.ballbar.expected_information import of_poses, pose_rows
+from truepose.planning.ballbar.motion_clearance import between
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for
 from truepose.planning.ballbar.plan import ballbar_plan, plan_at

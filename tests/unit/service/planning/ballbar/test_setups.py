@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import base_fixture, chain_of, tool_normal
 from truepose.planning.ballbar.clearance import arm_room_mm, bodies_at, without_cups
-from truepose.planning.ballbar.paths import Stop, Surroundings, can_lift
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, can_lift
 from truepose.planning.ballbar.poses import inside, setup_joints, setups
 from truepose.planning.errors import WorkSpaceError
 

@@ -15,7 +15,7 @@ from truepose.domain.identification import NestCentre
 from truepose.domain.robot import JointRange
 from truepose.identification.model.prediction import predict
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
-from truepose.planning.ballbar.paths import Surroundings, between, is_clear_along
+from truepose.planning.ballbar.motion_clearance import Surroundings, between, is_clear_along
 from truepose.planning.ballbar.sphere import plan_sphere
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.arm_model import Scatter, arm_model
 from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.expected_information import (
-    Scatter,
     WorkSpaceSample,
-    arm_model,
     error_gradient,
     error_weight,
     gathered,

@@ -18,7 +18,7 @@ from truepose.planning.prediction.errors import Discrepancy, mean_norms
 from truepose.planning.prediction.expected_covariance import TYPICAL, ArmKnowledge, PriorKnowledge, stated
 from truepose.planning.prediction.plan import WorkVolume
 from truepose.planning.prediction.tracker import ExistingReadings, promised_session
-from truepose.planning.tracker.paths import pool_of
+from truepose.planning.tracker.path_repair import pool_of
 from truepose.planning.tracker.plans import plan_calibration
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
 from truepose.planning.workspace.space import cosines_to_tracker, nominal_chain

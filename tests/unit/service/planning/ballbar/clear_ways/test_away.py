@@ -8,7 +8,8 @@ import pytest
 from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.clearance import bodies_at, hands_room_mm
-from truepose.planning.ballbar.paths import ROOMS_MM, Stop, Surroundings, away, between, is_clear_along
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, between, is_clear_along
+from truepose.planning.ballbar.paths import ROOMS_MM, away
 from truepose.planning.ballbar.poses import reach, setups
 from truepose.planning.errors import NoWayError
 

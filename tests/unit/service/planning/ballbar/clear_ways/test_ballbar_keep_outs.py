@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
 from truepose.domain.cell import Box, CellLimits, Cylinder, HalfSpace, KeepOuts
 from truepose.planning.ballbar.bodies import chain_of
-from truepose.planning.ballbar.paths import between
+from truepose.planning.ballbar.motion_clearance import between
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import plan_at
 from truepose.planning.ballbar.poses import reach

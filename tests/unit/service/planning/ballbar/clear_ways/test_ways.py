@@ -8,7 +8,8 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.clearance import arm_room_mm, bodies_at
-from truepose.planning.ballbar.paths import Stop, Surroundings, between, is_clear_along, lift, way
+from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, between, is_clear_along, lift
+from truepose.planning.ballbar.paths import way
 from truepose.planning.ballbar.poses import reach, setups
 from truepose.planning.errors import NoWayError
 

@@ -10,7 +10,7 @@ from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
 from truepose.planning.ballbar.clearance import is_clear
 from truepose.planning.ballbar.length_targets import aimed_again
-from truepose.planning.ballbar.paths import between
+from truepose.planning.ballbar.motion_clearance import between
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)[:30:2]

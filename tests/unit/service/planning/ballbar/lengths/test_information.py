@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.arm_model import Scatter, arm_model
 from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.expected_information import (
-    Scatter,
-    arm_model,
     error_weight,
     gathered,
     of_poses,
