@@ -2,7 +2,7 @@
 
 Where no configuration tells two causes apart, an action does. One table, tried from the top: an action serves
 a pair of causes by the words of their signatures, their places, variables and shapes. Everything else is left
-to the expected chi-square of `diagnosis.configurations`.
+to the expected chi-square of `diagnosis.t_optimality`.
 
 Proposals are advice: nothing moves by them. A session adds their configurations behind a confirmation
 (decision 0012).
@@ -17,7 +17,6 @@ import numpy as np
 
 from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.configurations import (
-    CONVINCING,
     Places,
     Ranges,
     drawn,
@@ -26,11 +25,11 @@ from truepose.diagnosis.configurations import (
     measured_ranges,
     moved_alone,
     one_period,
-    separation,
 )
 from truepose.diagnosis.evidence.residual_structure import Relation, Remainder
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.diagnosis.sentences import spoken
+from truepose.diagnosis.t_optimality import CONVINCING, separation
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Finding, NextMeasurement
 from truepose.effects.causes import Candidate

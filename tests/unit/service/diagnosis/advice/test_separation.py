@@ -7,8 +7,9 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.configurations import drawn, measured_ranges, reading_variance, separation
+from truepose.diagnosis.configurations import drawn, measured_ranges
 from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.t_optimality import reading_variance, separation
 from truepose.domain.diagnosis import Cause
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.derivatives import (
