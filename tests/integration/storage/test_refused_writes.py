@@ -11,6 +11,7 @@ import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.database import Database
+from truepose.storage.engine import sqlite_file
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import ConflictError, StorageUnavailableError
 from truepose.storage.ledger.sessions import SessionRepository
@@ -179,6 +180,42 @@ async def test_a_database_in_whose_place_another_file_lies_is_not_written_over_i
     await asyncio.wait_for(database.writable(), 10)
     await add(database, "second")
 
+    assert await names(database) == ["first", "second"]
+
+
+def put_something(database):
+    database.file.write_text("something else")
+    database.file.with_name(f"{database.file.name}-wal").write_text("its log")
+
+
+def put_it_back(database):
+    database.file.with_name("away").rename(database.file)
+
+
+@pytest.mark.parametrize(("put", "others"), [(put_something, True), (put_it_back, False)])
+async def test_what_somebody_puts_there_while_it_is_written_anew_stays(database, monkeypatch, put, others):
+    copied = sqlite_file._copy
+
+    def copied_while_somebody_acts(connection, target):
+        copied(connection, target)
+        put(database)
+
+    await add(database)
+    content = database.file.read_bytes()
+    log = database.file.with_name(f"{database.file.name}-wal")
+    logged = log.read_bytes()
+    database.file.rename(database.file.with_name("away"))
+    with monkeypatch.context() as slow:
+        slow.setattr(sqlite_file, "_copy", copied_while_somebody_acts)
+        with pytest.raises(StorageUnavailableError):
+            await add(database, "second")
+
+    found = (database.file.read_bytes(), log.read_bytes())
+    assert found == ((b"something else", b"its log") if others else (content, logged))
+    if others:
+        database.file.unlink()
+    await asyncio.wait_for(database.writable(), 10)
+    await add(database, "second")
     assert await names(database) == ["first", "second"]
 
 

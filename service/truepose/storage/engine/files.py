@@ -67,6 +67,20 @@ def write_whole(file: Path, data: bytes) -> None:
     sync_folder(file.parent)
 
 
+def write_new(file: Path, data: bytes) -> None:
+    """Do the same where nothing lies yet; raises FileExistsError, OSError."""
+    put_new(_part_of(file, data), file)
+
+
+def put_new(part: Path, file: Path) -> None:
+    """Give a file on the disk its name, unless something has it; raises FileExistsError, OSError."""
+    # Renaming would replace what somebody has put there meanwhile; a second name is only given where there is
+    # none.
+    os.link(part, file)
+    part.unlink()
+    sync_folder(file.parent)
+
+
 def _part_of(file: Path, data: bytes) -> Path:
     part = file.with_name(f"{file.name}.part")
     with open(part, "wb", opener=opened_alone) as written:

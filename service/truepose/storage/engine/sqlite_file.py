@@ -29,7 +29,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.engine.files import make_alone, opened_alone, sync_folder, tighten
+from truepose.storage.engine.files import make_alone, opened_alone, put_new, tighten
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
 from truepose.storage.integrity.database_identity import digest
@@ -211,16 +211,25 @@ class DatabaseFile:
             # never lie in this place, nor one that another service could take.
             _copy(connection, copy)
             lock = locked_file(copy)
-            for leftover in (self._log, self._file.with_name(f"{self._file.name}-shm")):
-                leftover.unlink(missing_ok=True)  # of the file that was removed: not of this one
-            copy.rename(self._file)
-            sync_folder(self._file.parent)
+            try:
+                self._put_back(copy)
+            except BaseException:
+                os.close(lock)
+                raise
         except (OSError, LIBRARY.DatabaseError) as error:
             raise StorageUnavailableError(
                 f"The database {self._file} was removed and cannot be written anew ({error}); "
                 "nothing is lost while the service runs. Make room for it at its place."
             ) from error
         return lock
+
+    def _put_back(self, copy: Path) -> None:
+        # Copying takes seconds, in which somebody may have put a file here: neither that nor its log is ours.
+        if not self.removed:
+            raise FileExistsError(errno.EEXIST, "it lies there again")
+        for leftover in (self._log, self._file.with_name(f"{self._file.name}-shm")):
+            leftover.unlink(missing_ok=True)  # of the file that was removed: not of this one
+        put_new(copy, self._file)
 
 
 def _identity(file: Path) -> Identity | None:
