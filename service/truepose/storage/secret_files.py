@@ -24,7 +24,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.engine.files import opened_alone, sync_folder, tighten
+from truepose.storage.engine.files import tighten, write_new
 from truepose.storage.errors import StorageUnavailableError
 from truepose.storage.migrations.triggers import server_trigger, trigger, trigger_name
 
@@ -113,13 +113,9 @@ class Pepper:
     def _write(self, text: str) -> None:
         try:
             self.file.parent.mkdir(parents=True, exist_ok=True)
-            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-            with os.fdopen(opened_alone(self.file, flags), "w", encoding="ascii") as written:
-                written.write(f"{text}\n")
-                written.flush()
-                os.fsync(written.fileno())
-            # A secret that a loss of power takes would make every PIN worthless that was chosen with it.
-            sync_folder(self.file.parent)
+            # A secret that a loss of power takes, or that another process exchanges, would make every PIN
+            # worthless that was chosen with it.
+            write_new(self.file, f"{text}\n".encode("ascii"))
         except OSError as error:
             raise self._unusable(error) from error
 

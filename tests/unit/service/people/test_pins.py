@@ -1,6 +1,7 @@
 """A PIN is found by nobody who has the database alone, and counts where its secret is."""
 
 import os
+import secrets
 import stat
 
 import pytest
@@ -49,6 +50,34 @@ def test_the_secret_is_its_owners_alone_whatever_the_umask(pepper):
         os.umask(before)
 
     assert (made, stat.S_IMODE(pepper.file.stat().st_mode)) == (0o600, 0o600)
+
+
+def test_a_secret_gets_its_place_whole_or_not_at_all(pepper, monkeypatch):
+    def power_cut(*of):
+        raise OSError(5, "Input/output error")
+
+    with monkeypatch.context() as cut:
+        cut.setattr(os, "fsync", power_cut)
+        with pytest.raises(StorageUnavailableError):
+            Pins(pepper).kept("4071")
+    assert not pepper.file.exists()
+
+    assert Pins(pepper).match(Pins(pepper).kept("4071"), "4071")
+
+
+def test_a_secret_that_another_process_made_meanwhile_stays(pepper, monkeypatch):
+    drawn = secrets.token_hex
+
+    def drawn_while_another_writes(count):
+        pepper.file.write_text("1" * 64)
+        return drawn(count)
+
+    monkeypatch.setattr(secrets, "token_hex", drawn_while_another_writes)
+
+    with pytest.raises(StorageUnavailableError):
+        Pins(pepper).kept("4071")
+
+    assert pepper.file.read_text() == "1" * 64
 
 
 @pytest.mark.parametrize("text", ["", "secret", "0" * 63, "\u00e9"])
