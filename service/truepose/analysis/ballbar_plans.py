@@ -89,7 +89,8 @@ def next_poses(
     for placement in plan.placements:
         left = [pose for pose in placement.poses if _is_left(pose, counting, exchanged)]
         if placement.number == standing.placement:
-            found += _here(arm, placement, left, standing, foreseen)
+            after = next((one for one in plan.placements if one.number > placement.number), None)
+            found += _here(arm, placement, after, left, standing, foreseen)
         elif placement.number > standing.placement:
             found += [coded_or_kept(arm, pose, foreseen.lengths_of(pose))[0] for pose in left]
     return tuple(found)
@@ -104,15 +105,26 @@ def _is_left(pose: PlannedPose, counting: ValidReadings, exchanged: Collection[i
 def _here(
     arm: BallbarCell,
     placement: PlannedPlacement,
+    after: PlannedPlacement | None,
     left: list[PlannedPose],
     standing: RestPose,
     foreseen: LengthForecast | EarlyForecast,
 ) -> tuple[PlannedPose, ...]:
     if not left:
         return ()
-    fixture = BaseFixture(placement.number, placement.frame, np.array(placement.cups_mm))
-    parking = placement.poses[-1].config
-    return aimed_again(arm, fixture, left, foreseen.lengths_of, standing.joints_rad, last=parking).poses
+    return aimed_again(
+        arm,
+        _fixture(placement),
+        left,
+        foreseen.lengths_of,
+        standing.joints_rad,
+        last=placement.poses[-1].config,
+        after=None if after is None else _fixture(after),
+    ).poses
+
+
+def _fixture(placement: PlannedPlacement) -> BaseFixture:
+    return BaseFixture(placement.number, placement.frame, np.array(placement.cups_mm))
 
 
 _FEWEST_LEGS: Final = 24  # from four poses on something is foreseen

@@ -3,7 +3,7 @@
 PlanningError ├── WorkSpaceError what is said of the cell does not allow any configuration ├──
 TooFewCandidatesError fewer configurations are feasible than were asked for ├── AimError no joints near a pose
 give its legs the wanted lengths └── NoWayError no clear way was found from one stop to the next, or to any in
-its place
+its place └── ArmInTheWayError the arm would stand where the base fixture is put next
 """
 
 from truepose.domain.errors import TrueposeError
@@ -27,3 +27,19 @@ class AimError(PlanningError):
 
 class NoWayError(PlanningError):
     """No clear way was found from one stop to the next."""
+
+
+class ArmInTheWayError(NoWayError):
+    """The arm would stand where the base fixture is put next.
+
+    Parameters
+    ----------
+    placement : int
+        Of the base fixture, 1-based.
+    """
+
+    def __init__(self, placement: int) -> None:
+        super().__init__(
+            f"The arm would be in the way while the base fixture is put to placement {placement}: place it "
+            "further from the placement before."
+        )

@@ -22,9 +22,10 @@ from truepose.domain.ballbar import PlannedPose
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
+from truepose.planning.ballbar.clearance import is_clear
 from truepose.planning.ballbar.motion_clearance import Stop, Surroundings
-from truepose.planning.ballbar.paths import tour
-from truepose.planning.errors import AimError
+from truepose.planning.ballbar.paths import Tour, tour
+from truepose.planning.errors import AimError, ArmInTheWayError
 
 SPAN_MM: Final = 0.7
 
@@ -239,6 +240,7 @@ def aimed_again(
     here_rad: Sequence[float],
     *,
     last: int | None = None,
+    after: BaseFixture | None = None,
     seed: int = 0,
 ) -> AimedAgain:
     """Aim the poses of one placement at coded lengths under a model, and plan the ways between them.
@@ -255,7 +257,10 @@ def aimed_again(
     here_rad : sequence of float
         Where the arm is.
     last : int, optional
-        Configuration that stays the last one: where the arm waits while the base fixture is put elsewhere.
+        Configuration that stays the last one, if it can: where the arm waits while the base fixture is put
+        elsewhere.
+    after : BaseFixture, optional
+        At its next place, of which the arm is clear at its last pose.
     seed : int
         For the search for ways.
 
@@ -264,21 +269,58 @@ def aimed_again(
     AimedAgain
         A pose that cannot be coded is aimed at nominal lengths, or stays as it was. One to which no clear way
         leads is left out.
+
+    Raises
+    ------
+    ArmInTheWayError
+        At none of the poses is the arm clear of the next place.
     """
     aims = [coded_or_kept(cell, pose, lengths(pose)) for pose in poses]
     new = [pose for pose, _ in aims]
     around = Surroundings(replace(cell, arm_room_mm=cell.arm_room_mm - _ROOM_USED_MM), fixture)
     joints = np.array([pose.joints_rad for pose in new]).reshape(-1, cell.robot.n_joints)
-    groups = [
-        [row for row, pose in enumerate(new) if pose.config != last],
-        [row for row, pose in enumerate(new) if pose.config == last],
-    ]
-    found = tour(around, joints, groups, Stop(np.array(here_rad, dtype=float)), np.random.default_rng(seed))
+    begin = Stop(np.array(here_rad, dtype=float))
+    ends = [row for row, pose in enumerate(new) if pose.config == last]
+    if after is None or not new:
+        found = _tour_to(around, joints, ends, begin, seed)
+    else:
+        found = _tour_clear_of(after, around, joints, ends, begin, seed)
     ordered = tuple(replace(new[row], via_rad=via) for row, via in zip(found.order, found.vias, strict=True))
     missed = (
         f"No clear way leads to configuration {new[row].config}: it is left out." for row in found.missed
     )
     return AimedAgain(ordered, (*(said for _, said in aims if said is not None), *missed))
+
+
+_ENDS_TRIED: Final = 5
+
+
+def _tour_clear_of(
+    after: BaseFixture,
+    around: Surroundings,
+    joints_rad: FloatArray,
+    ends: Sequence[int],
+    here: Stop,
+    seed: int,
+) -> Tour:
+    """Return a tour of stops (n, J) whose last one is clear of the next fixture, one of `ends` if it can be.
+
+    No way may lead to those, or they are measured already. Raises ArmInTheWayError where none is clear.
+    """
+    free = is_clear(around.cell, after, joints_rad)
+    usable = [row for row in (*ends, *range(len(joints_rad))) if free[row]]
+    tours = (_tour_to(around, joints_rad, [end], here, seed) for end in dict.fromkeys(usable[:_ENDS_TRIED]))
+    found = next((one for one in tours if one.order and free[one.order[-1]]), None)
+    if found is None:
+        raise ArmInTheWayError(after.number)
+    return found
+
+
+def _tour_to(
+    around: Surroundings, joints_rad: FloatArray, ends: Sequence[int], here: Stop, seed: int
+) -> Tour:
+    others = [row for row in range(len(joints_rad)) if row not in ends]
+    return tour(around, joints_rad, [others, list(ends)], here, np.random.default_rng(seed))
 
 
 def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tuple[PlannedPose, str | None]:

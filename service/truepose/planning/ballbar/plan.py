@@ -20,13 +20,9 @@ from truepose.planning.ballbar.paths import Tour, away, tour, way
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose, require_candidates
 from truepose.planning.ballbar.poses import planned, setups, subset
-from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
+from truepose.planning.errors import ArmInTheWayError, NoWayError, TooFewCandidatesError, WorkSpaceError
 
 _LEGS: Final = 6  # of a pose
-_IN_THE_WAY: Final = (
-    "The arm would be in the way while the base fixture is put to placement {}: place it further from the "
-    "placement before."
-)
 
 
 def ballbar_plan(
@@ -271,7 +267,7 @@ class _Session:
         later = np.setdiff1d(np.flatnonzero(free), first)
         usable = later if len(later) else np.flatnonzero(free)
         if not len(usable):
-            raise NoWayError(_IN_THE_WAY.format(after.number))
+            raise ArmInTheWayError(after.number)
         return int(usable[0])
 
     def _check(
@@ -284,7 +280,7 @@ class _Session:
                 "base fixture a little, or let the program suggest a place."
             )
         if after is not None and not is_clear(self.cell, after, joints[list(found.order[-1:])]).all():
-            raise NoWayError(_IN_THE_WAY.format(after.number))
+            raise ArmInTheWayError(after.number)
 
     def _groups(self, n: int, first: IntArray, last: int | None) -> list[list[int]]:
         """Return rows in three groups: those of the pre-calibration, the others, the one to end with."""

@@ -6,15 +6,20 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
+from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.clearance import is_clear
 from truepose.planning.ballbar.length_targets import aimed_again
 from truepose.planning.ballbar.motion_clearance import between
+from truepose.planning.errors import NoWayError
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)[:30:2]
 HERE = reachable(CELL, FIXTURE)[40].joints_rad
+IN_THE_TABLE = tuple(np.radians([0.0, 110.0, 40.0, 0.0, 0.0, 0.0]))
+NEXT = base_fixture(2, frame(300, -200, 300, 0, -30, 60))
+CLEAR_OF_NEXT = [pose for pose in POSES if is_clear(CELL, NEXT, np.array([pose.joints_rad])).all()]
 
 
 def found_cups():
@@ -79,17 +84,52 @@ def test_no_poses_are_no_trouble():
     assert again.poses == ()
 
 
-def test_the_pose_where_the_arm_waits_stays_the_last_one():
-    last = POSES[4].config
+def again_before(after, poses, last):
+    return aimed_again(CELL, FIXTURE, poses, lengths_with(FIXTURE.cups_mm), HERE, last=last, after=after)
 
-    again = aimed_again(CELL, FIXTURE, POSES, lengths_with(FIXTURE.cups_mm), HERE, last=last)
+
+def ends_clear_of_next(again):
+    # 3 mm of the room of 10 may be used by aims
+    cell = replace(CELL, arm_room_mm=7.0)
+    return is_clear(cell, NEXT, np.array([again.poses[-1].joints_rad])).all()
+
+
+def test_the_pose_where_the_arm_waits_stays_the_last_one():
+    last = CLEAR_OF_NEXT[2].config
+
+    again = again_before(NEXT, POSES, last)
 
     assert again.poses[-1].config == last
     assert len(again.poses) == len(POSES)
 
 
+def test_where_the_arm_was_to_wait_was_measured_it_waits_where_the_next_fixture_has_room():
+    waiting = CLEAR_OF_NEXT[0]
+
+    again = again_before(NEXT, [pose for pose in POSES if pose != waiting], waiting.config)
+
+    assert ends_clear_of_next(again)
+    assert len(again.poses) == len(POSES) - 1
+
+
+def test_where_no_way_leads_to_where_the_arm_was_to_wait_it_waits_elsewhere():
+    in_the_table = replace(POSES[0], joints_rad=IN_THE_TABLE)
+
+    again = again_before(NEXT, [in_the_table, *POSES[1:]], in_the_table.config)
+
+    assert ends_clear_of_next(again)
+    assert len(again.poses) == len(POSES) - 1
+
+
+def test_an_arm_that_would_wait_where_the_next_fixture_comes_is_a_sentence():
+    among_the_poses = base_fixture(2, frame(300, -200, 400, 0, -30, 60))
+
+    with pytest.raises(NoWayError, match="in the way while the base fixture is put to placement 2"):
+        again_before(among_the_poses, POSES, POSES[0].config)
+
+
 def test_a_pose_that_the_arm_cannot_go_to_clear_is_left_out_and_named():
-    in_the_table = replace(POSES[0], joints_rad=tuple(np.radians([0.0, 110.0, 40.0, 0.0, 0.0, 0.0])))
+    in_the_table = replace(POSES[0], joints_rad=IN_THE_TABLE)
 
     again = aimed_again(CELL, FIXTURE, [in_the_table, POSES[1]], lengths_with(FIXTURE.cups_mm), HERE)
 
