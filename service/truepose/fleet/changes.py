@@ -34,7 +34,7 @@ from truepose.fleet.causes import AgeingCause, robot_causes
 from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
 from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
-from truepose.fleet.trials import Change, Scope, Trial, seen_of
+from truepose.fleet.trials import Change, Scope, Score, Trial, seen_of
 from truepose.identification.distributions import chi2_exceeded
 
 LEVEL: Final = 0.01
@@ -218,7 +218,7 @@ class _Sought:
 
     def _take_in(self, best: Trial) -> None:
         """Take a change into the model, if it stands out from what other causes still show there."""
-        self.found.append(best)
+        self.found.append(_of_its_size(self.estimated.posterior, best))
         self._estimate()
         if best.change.scope != "instrument" and not self._stands_out(best):
             self._drop(len(self.found) - 1)
@@ -232,7 +232,7 @@ class _Sought:
         change = best.change
         if self._changing(change.of)[change.cause.directions.any(axis=1)].any() or not self._stands_out(best):
             self._dropped.add(change.key)
-            self.trials = self._without_dropped(self.trials)
+            self.trials = self._untried(self.trials)
         else:
             places = np.flatnonzero(change.shape).tolist()
             self._leave_out([unlike(self.fleet, place, best.ratio, best.excess) for place in places])
@@ -246,7 +246,7 @@ class _Sought:
 
     def _is_beside(self, number: int) -> bool:
         """Return whether a change of an instrument is beyond chance beside all other changes."""
-        others = [one.change.named for k, one in enumerate(self.found) if k != number]
+        others = [one.named for k, one in enumerate(self.found) if k != number]
         days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
         _, chance = days.of(over_visits(self.fleet, self.found[number].change))
         return self._is_beyond(TOGETHER * chance, "instrument")
@@ -276,7 +276,7 @@ class _Sought:
     def _least_certain(self) -> int | None:
         """Return which change of a robot or the type chance explains best beside the others, if it does."""
         places = [k for k, one in enumerate(self.found) if one.change.scope != "instrument"]
-        chances = [_chance_beside(self.estimated.posterior, k, self.found[k].excess) for k in places]
+        chances = [_chance_beside(self.estimated.posterior, k, self.found[k]) for k in places]
         if not places:
             return None
         chance, least = max(zip(chances, places, strict=True))
@@ -303,28 +303,39 @@ class _Sought:
         # All variances are estimated once more: not for ratios that hardly moved.
         if np.any(np.abs(ratios / self.ratios - 1.0) > _SAME_RATIO):
             self._estimate_at(ratios)
-        self.trials = self._without_dropped(trials_of(self.estimated.posterior, self._causes))
+        self.trials = self._untried(trials_of(self.estimated.posterior, self._causes))
 
     def _estimate_at(self, ratios: FloatArray) -> None:
         self.ratios = ratios
-        equations = Equations(self._plain.divided(ratios), [one.change.named for one in self.found])
+        equations = Equations(self._plain.divided(ratios), [one.named for one in self.found])
         self.estimated = estimate(equations, self.estimated.variances)
 
-    def _without_dropped(self, trials: Iterable[Trial]) -> tuple[Trial, ...]:
-        return tuple(one for one in trials if one.change.key not in self._dropped)
+    def _untried(self, trials: Iterable[Trial]) -> tuple[Trial, ...]:
+        """Return what is neither in the model nor was taken out of it for good."""
+        tried = self._dropped | {one.change.key for one in self.found}
+        return tuple(one for one in trials if one.change.key not in tried)
 
 
-def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
+def _of_its_size(posterior: Posterior, trial: Trial) -> Trial:
+    """Return a change with the variance of its size before any reading: a stated width's, or its own.
+
+    A change of many widths would be held back by a width's, and what is left of it be named once more.
+    """
+    seen = Score(posterior, trial.change.shape).of(trial.change.cause.directions)
+    return replace(trial, variance=max(1.0, seen.likeliest_variance(trial.excess)))
+
+
+def _chance_beside(posterior: Posterior, number: int, named: Trial) -> float:
     """Return the chance of as much of a named change as is left beside the others.
 
-    With its posterior N(v, C) at a prior of variance 1, the readings alone say (C^-1 - I) with the score C^-1
-    v.
+    With its posterior N(v, C) at a prior of variance s, the readings alone say (C^-1 - I / s) with the score
+    C^-1 v.
     """
     place = posterior.equations.of_change(number)
     told = np.linalg.inv(posterior.covariance[place, place])
-    alone = told - np.eye(len(told))  # without what was believed beforehand, of variance 1
+    alone = told - np.eye(len(told)) / named.variance  # without what was believed beforehand
     squares = seen_of(told @ posterior.shared[place], alone).squares
-    return chi2_exceeded(float(squares.sum()) / excess, float(len(squares))) if len(squares) else 1.0
+    return chi2_exceeded(float(squares.sum()) / named.excess, float(len(squares))) if len(squares) else 1.0
 
 
 def _over_campaigns(found: Sequence[Trial], kept: IntArray, day: FloatArray) -> list[Trial]:
@@ -370,7 +381,7 @@ def _rivals(
     estimated: Estimate, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
 ) -> tuple[Trial, ...]:
     """Return what else explains a change nearly as well, the others staying in the model."""
-    others = [one.change.named for k, one in enumerate(found) if k != number]
+    others = [one.named for k, one in enumerate(found) if k != number]
     own = found[number].change
     equations = Equations(estimated.posterior.equations.fleet, others)
     # An instrument's days are free again without its change.

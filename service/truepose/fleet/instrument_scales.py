@@ -151,7 +151,8 @@ def _of_days(posterior: Posterior) -> tuple[FloatArray, FloatArray]:
     days = posterior.equations.visits
     others = np.delete(np.arange(len(posterior.information)), days)
     across = posterior.information[days, others]
-    held = posterior.information[np.ix_(others, others)] + np.eye(len(others))  # with their priors
+    prior = posterior.equations.prior(posterior.variances.day)[np.ix_(others, others)]
+    held = posterior.information[np.ix_(others, others)] + np.linalg.inv(prior)
     gain = np.linalg.solve(held, across.T).T
     # Not as the difference of two inverses: where a ballbar or a gauge measured, which tell no scale,
     # there are none.

@@ -5,11 +5,13 @@ Of campaign c of robot i, measured on visit k (one instrument on one day),
     p_c = m + d_i + sum_e f_ec E_e v_e        scale_c = u_k + sum_e f_ec E_e v_e
 
 m ~ N(stated, 1) what robots of the type have in common d_i ~ N(0, diag(robot)) how one robot differs from its
-type u_k ~ N(0, J + day I) the instrument (J: 1 between visits of one instrument) on a day v_e ~ N(0, 1)
+type u_k ~ N(0, J + day I) the instrument (J: 1 between visits of one instrument) on a day v_e ~ N(0, s_e I)
 changes that were named: directions E_e, shape f_ec over the campaigns
 
-all in stated widths; a variance of 1 for m, the instrument and v_e is next to no knowledge beside what a
-fleet tells. With g = (m, u, v) and L_c how g acts on campaign c, the d_i are integrated out robot by robot:
+all in stated widths; a variance of 1 for m and the instrument is next to no knowledge beside what a fleet
+tells, and so is s_e, 1 or as large as the change is (`fleet.changes`).
+
+With g = (m, u, v) and L_c how g acts on campaign c, the d_i are integrated out robot by robot:
 
     D_i = (N_i + diag(robot)^-1)^-1,  N_i = sum_c A_c,  X_i = sum_c A_c L_c   (rows of the robot's parameters)
     H = sum L'A L + prior - sum X_i' D_i X_i,   g = H^-1 (sum L'b - sum X_i' D_i n_i)
@@ -67,10 +69,13 @@ class NamedChange:
         In stated widths, the scale last.
     shape : ndarray, shape (C,)
         How far it has come at each campaign; 1 at the end.
+    variance : float
+        Of its size along each direction before any reading, in squared stated widths.
     """
 
     directions: FloatArray
     shape: FloatArray
+    variance: float = 1.0
 
 
 class Equations:
@@ -125,9 +130,11 @@ class Equations:
         Returns
         -------
         ndarray, shape (G, G)
-            I, and J + day I between the visits of one instrument.
+            I, J + day I between the visits of one instrument, and the variance of each change.
         """
         covariance = np.eye(self.common.shape[0])
+        for number, change in enumerate(self.changes):
+            covariance[self.of_change(number), self.of_change(number)] *= change.variance
         visits = slice(self.parameters, self.parameters + len(self.fleet.visits))
         instrument = np.array([visit[0] for visit in self.fleet.visits])
         same = (instrument[:, None] == instrument[None, :]).astype(float)

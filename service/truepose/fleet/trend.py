@@ -69,7 +69,9 @@ class ChangeSeries:
     u_mm: FloatArray
 
 
-def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0) -> Trend:
+def course(
+    account: Account, robot: str, cause: AgeingCause, excess: float = 1.0, variance: float = 1.0
+) -> Trend:
     """Return by how much each later campaign of a robot sees a cause differ from the first.
 
     Parameters
@@ -78,10 +80,11 @@ def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0
     robot : str
         Of the fleet.
     cause : AgeingCause
-        Whatever of it was named in this robot is taken out of the model first; every campaign is free, to
-        within a stated width.
+        Whatever of it was named in this robot is taken out of the model first.
     excess : float
         By which variances of this cause exceed what readings state, as of its trial.
+    variance : float
+        Of what each campaign may differ by, before any reading, in squared stated widths.
 
     Returns
     -------
@@ -92,7 +95,7 @@ def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0
     later = own[np.argsort(fleet.day[own], kind="stable")][1:]
     # A step of its own for each campaign: no line is put through what is to show whether there is one.
     alone = np.eye(len(fleet.day))[later]
-    return _course(account, robot, cause, fleet.day[later], alone, excess)
+    return _course(account, robot, cause, fleet.day[later], alone, (excess, variance))
 
 
 def along(account: Account, named: RealChange) -> ChangeSeries:
@@ -113,7 +116,7 @@ def along(account: Account, named: RealChange) -> ChangeSeries:
     if named.change.scope == "instrument":
         return _of_instrument(account, named)
     if named.change.scope == "robot":
-        found = course(account, named.change.of, named.change.cause, named.trial.excess)
+        found = course(account, named.change.of, named.change.cause, named.trial.excess, named.trial.variance)
     else:
         found = _of_type(account, named)
     way = named.amount / float(named.amount @ named.amount)
@@ -136,7 +139,8 @@ def _of_type(account: Account, named: RealChange) -> Trend:
     numbers = np.unique(of)[1:]
     shapes = np.array([(of == number).astype(float) for number in numbers])
     days = np.array([day[of == number].mean() for number in numbers])
-    return _course(account, "", named.change.cause, days, shapes, named.trial.excess)
+    allowed = named.trial.excess, named.trial.variance
+    return _course(account, "", named.change.cause, days, shapes, allowed)
 
 
 def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
@@ -145,7 +149,7 @@ def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
     Scales s of the days, with the change itself out of the model: differences B s of covariance B C B'.
     """
     fleet = account.fleet
-    others = [one.change.named for one in account.named if not one.change.same_as(named.change)]
+    others = [one.trial.named for one in account.named if not one.change.same_as(named.change)]
     posterior = estimate(Equations(fleet, others), account.estimated.variances).posterior
     # Free on every day, so that the course shows scatter and bends and not the line that was named.
     days = InstrumentDays(posterior)
@@ -162,14 +166,21 @@ def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
 
 
 def _course(
-    account: Account, of: str, cause: AgeingCause, days: FloatArray, shapes: FloatArray, excess: float
+    account: Account,
+    of: str,
+    cause: AgeingCause,
+    days: FloatArray,
+    shapes: FloatArray,
+    allowed: tuple[float, float],
 ) -> Trend:
-    """Return what is seen where each of n shapes over the campaigns, (n, C), is free to within a width.
+    """Return what is seen where each of n shapes over the campaigns, (n, C), is free.
 
-    Each is a change of its own in the model, in place of what was named of that cause.
+    Each is a change of its own in the model, in place of what was named of that cause. `allowed` are the
+    excess of its variances, and the variance of each before any reading.
     """
-    others = [one.change.named for one in account.named if not one.change.is_of(of, cause)]
-    free = [NamedChange(cause.directions, shape) for shape in shapes]
+    excess, variance = allowed
+    others = [one.trial.named for one in account.named if not one.change.is_of(of, cause)]
+    free = [NamedChange(cause.directions, shape, variance) for shape in shapes]
     equations = Equations(account.fleet, [*others, *free])
     posterior = Posterior(equations, account.estimated.variances)
     places = [equations.of_change(len(others) + number) for number in range(len(free))]

@@ -62,11 +62,6 @@ class Change:
     since: float
     shape: FloatArray
 
-    @property
-    def named(self) -> NamedChange:
-        """As a part of the model."""
-        return NamedChange(self.cause.directions, self.shape)
-
     def beside(self, other: "Change") -> bool:
         """Return whether both are of the same robot, or the type, over the same campaigns, by any cause."""
         mine, its = ((one.scope, one.of, one.kind, one.since) for one in (self, other))
@@ -107,6 +102,8 @@ class Trial:
         Chi-square where nothing changed; 0 of an instrument, which is judged by F.
     degrees : int
         Its degrees of freedom.
+    variance : float
+        Of its size once it is in the model, before any reading, in squared stated widths.
     """
 
     change: Change
@@ -115,6 +112,12 @@ class Trial:
     excess: float = 1.0
     squares: float = 0.0
     degrees: int = 0
+    variance: float = 1.0
+
+    @property
+    def named(self) -> NamedChange:
+        """As a part of the model."""
+        return NamedChange(self.change.cause.directions, self.change.shape, self.variance)
 
     def chance_beside(self, others: Sequence["Trial"]) -> float:
         """Return the chance of so much where other causes scatter over the same campaigns as they do.
@@ -262,6 +265,24 @@ class Evidence(NamedTuple):
             float(squares.sum()), float(len(squares))
         )
 
+    def likeliest_variance(self, excess: float) -> float:
+        """Return the variance of a change's size at which most speaks for it.
+
+        Parameters
+        ----------
+        excess : float
+            As of `judged`.
+
+        Returns
+        -------
+        float
+            In squared stated widths; that of the smallest size that is tried where nothing is seen.
+        """
+        if not len(self.squares):
+            return 0.0
+        sizes = _SIZES * excess / float(self.information.max())
+        return float(sizes[np.argmax(_ratios(self.squares / excess, self.information / excess))])
+
     def scattered(self, excess: float) -> float:
         """Return twice the log likelihood ratio of readings that are alike worse than they were taken for.
 
@@ -366,6 +387,11 @@ def largest_ratio(squares: FloatArray, information: FloatArray) -> float:
     """
     if len(squares) == 1:  # closed: s l = z^2 - 1
         return float(squares[0] - 1.0 - np.log(squares[0])) if squares[0] > 1.0 else 0.0
+    return max(float(_ratios(squares, information).max()), 0.0)
+
+
+def _ratios(squares: FloatArray, information: FloatArray) -> FloatArray:
+    """Return twice the log likelihood ratio at each size of the grid."""
     wound = _SIZES[:, None] * information / information.max()
     each = squares * wound / (1.0 + wound) - np.log1p(wound)
-    return max(float(each.sum(axis=1).max()), 0.0)
+    return np.asarray(each.sum(axis=1))

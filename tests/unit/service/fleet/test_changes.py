@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.fleet.linear import drawn
 from truepose.fleet.changes import account_of
-from truepose.fleet.trend import passing
+from truepose.fleet.trend import along, passing
 
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
 _SCALE = np.array([0.0, 0.0, 0.0, 1.0])
@@ -43,6 +43,34 @@ def test_a_step_is_named_with_its_day():
     assert [one[3] for one in named] == ["step"]
     assert account.named[0].change.since == 90.0
     assert passing(account.fleet, account.named[0], 1.0) is None
+
+
+@pytest.mark.parametrize("widths", [6.0, 12.0, 100.0])
+@pytest.mark.parametrize("seed", [22, 23])
+def test_a_change_of_many_widths_is_one_change_of_its_whole_size(seed, widths):
+    def drift(robot, _tracker, month):
+        return widths * (month >= 3) * (robot == 1) * _GAP
+
+    account, named = _told(drawn(seed, readings=40, months=6, drift=drift))
+
+    assert named == [("robot", "robot 1", "geometry", "step")]
+    (change,) = account.named
+    assert change.amount[-1] == pytest.approx(widths, abs=4.0 * float(np.sqrt(change.covariance[-1, -1])))
+    course = along(account, change)
+    expected = np.where(course.day >= 90.0, change.size_mm, 0.0)
+    assert np.abs((course.size_mm - expected) / course.u_mm).max() < 4.0
+
+
+def test_a_line_among_many_months_is_named_once_where_a_later_campaign_is_left_out():
+    otherwise = np.array([1.5, -1.5, 0.0, 0.0])
+
+    def drift(robot, _tracker, month):
+        return (robot == 1) * (1.5 * max(month - 7, 0) * _GAP + (month == 16) * otherwise)
+
+    account, named = _told(drawn(26, readings=40, months=18, drift=drift))
+
+    assert [(one.robot, one.day) for one in account.unlike] == [("robot 1", 480.0)]
+    assert named == [("robot", "robot 1", "geometry", "linear")]
 
 
 def test_a_step_whose_first_campaign_is_left_out_is_named_from_the_next_one_on():
