@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import (
     FixedNestTaken,
@@ -38,23 +37,24 @@ from truepose.validation.iso9283.drift import has_settled
 
 @dataclass(slots=True)
 class Groups:
-    """Sums over the readings of each group."""
+    """The readings of each group."""
 
-    _sums: dict[int, FloatArray] = field(default_factory=dict)  # (5,) of: 1, time [s], x, y, z [mm]
+    _taken: dict[int, list[PointTaken]] = field(default_factory=dict)
 
     def take(self, point: PointTaken) -> None:
         """Count a reading; one that is in no group is none of this."""
         if point.group is not None:
-            taken = np.array([1.0, point.time_s, *point.position_world_mm])
-            self._sums[point.group] = self._sums.get(point.group, np.zeros(5)) + taken
+            self._taken.setdefault(point.group, []).append(point)
 
     def settled_before(self, group: int) -> bool:
         """Whether drift had become slow by the groups before this one."""
-        sums = np.array([self._sums[number] for number in sorted(self._sums) if number < group])
-        if not len(sums):
+        before = [self._taken[number] for number in sorted(self._taken) if number < group]
+        if not before:
             return False
-        means = sums[:, 1:] / sums[:, :1]
-        return has_settled(means[:, 0], means[:, 1:])
+        times = np.array([np.mean([point.time_s for point in points]) for points in before])
+        return has_settled(
+            times, [np.array([point.position_world_mm for point in points]) for points in before]
+        )
 
 
 @dataclass(slots=True)

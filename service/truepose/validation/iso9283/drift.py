@@ -18,6 +18,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.identification.distributions import chi2_limit
 from truepose.messages.message import Message, message
 from truepose.validation.iso9283.performance import one_pose
 from truepose.validation.iso9283.visits import (
@@ -37,19 +38,22 @@ from truepose.validation.iso9283.visits import (
 SETTLED: Final = 0.1  # of the rate of the first hour
 _HOUR_S: Final = 3600.0
 _EARLY: Final = 0.05  # of an hour; groups are a little late, and never all by the same
+_BY_SCATTER: Final = float(np.sqrt(chi2_limit(0.05, 3)))  # uncertainties; of a slope along three axes
 
 
-def has_settled(time_s: FloatArray, barycentre_mm: FloatArray) -> bool:
+def has_settled(time_s: FloatArray, visits_mm: Sequence[FloatArray]) -> bool:
     """Return whether the rate of change over the last hour is below a tenth of that over the first.
 
     A rate is the slope of the barycentres p over time by least squares, |sum (t - mean t) p| / sum (t - mean
-    t)^2.
+    t)^2. A robot that hardly drifts has no rate to fall from: it has settled where neither hour, nor both
+    with all between, shows a slope that the scatter of the visits does not explain.
 
     Parameters
     ----------
     time_s : ndarray, shape (k,)
         Of groups, ascending; k >= 1.
-    barycentre_mm : ndarray, shape (k, 3)
+    visits_mm : sequence of ndarray, shape (n, 3)
+        Positions of each group, n >= 1.
 
     Returns
     -------
@@ -62,13 +66,37 @@ def has_settled(time_s: FloatArray, barycentre_mm: FloatArray) -> bool:
     overlap = time_s[-1] - time_s[0] < (2.0 - _EARLY) * _HOUR_S
     if overlap or first.sum() < 2 or last.sum() < 2:
         return False
-    return _rate(time_s, barycentre_mm, last) < SETTLED * _rate(time_s, barycentre_mm, first)
+    places = np.array([barycentre(seen) for seen in visits_mm])
+    # The scatter of a single visit is not known: taken for none, it lets more slopes stand out.
+    variance = np.array([
+        np.trace(barycentre_covariance(seen)) / 3 if len(seen) > 1 else 0.0 for seen in visits_mm
+    ])
+    early, late, whole = (
+        _rate(time_s, places, variance, rows) for rows in (first, last, time_s >= time_s[0])
+    )
+    slowed = late.size < SETTLED * early.size
+    return slowed or not (early.is_seen or late.is_seen or whole.is_seen)
 
 
-def _rate(time_s: FloatArray, places_mm: FloatArray, rows: BoolArray) -> float:
-    """Return the size of the slope of places over time [mm/s]."""
+@dataclass(frozen=True, slots=True)
+class _Rate:
+    """Size of a slope of places over time, and its standard uncertainty along each axis [mm/s]."""
+
+    size: float
+    uncertainty: float
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether scatter alone shows a slope as large in less than one of twenty cases."""
+        return self.size >= _BY_SCATTER * self.uncertainty
+
+
+def _rate(time_s: FloatArray, places_mm: FloatArray, variance_mm2: FloatArray, rows: BoolArray) -> _Rate:
+    """Return how fast places move, of which each has a variance along each axis."""
     away_s = time_s[rows] - time_s[rows].mean()
-    return float(np.linalg.norm(away_s @ places_mm[rows]) / (away_s @ away_s))
+    square = float(away_s @ away_s)
+    slope = np.linalg.norm(away_s @ places_mm[rows]) / square
+    return _Rate(float(slope), float(np.sqrt(away_s**2 @ variance_mm2[rows])) / square)
 
 
 LEAST_VISITS: Final = 10  # of a group
@@ -196,9 +224,9 @@ def _without_instrument(visits: Visits) -> Visits:
 def _settled(pose: CommandedPose, groups: Sequence[Group]) -> bool:
     """Return whether the drift has become slow, by the groups in which the pose was measured at all."""
     seen = [(group.time_s, group.visits.of_pose(pose.number).position_mm) for group in groups]
-    measured = [(time_s, barycentre(places)) for time_s, places in seen if len(places)]
-    times, places = zip(*measured, strict=True) if measured else ((), ())
-    return len(times) > 0 and has_settled(np.array(times), np.array(places))
+    times, places = np.array([time_s for time_s, _ in seen]), [places for _, places in seen]
+    measured = np.array([len(visits) > 0 for visits in places])
+    return bool(measured.any()) and has_settled(times[measured], [visits for visits in places if len(visits)])
 
 
 def _points(pose: CommandedPose, groups: Sequence[Group]) -> Iterator[DriftPoint]:

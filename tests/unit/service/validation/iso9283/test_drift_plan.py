@@ -18,6 +18,13 @@ def walk(hours, rate_mm_per_h):
     return np.outer(way, [0.6, 0.0, -0.8])
 
 
+def settled(rows, places_mm, scatter_mm=0.0):
+    """Whether a robot has settled by ten visits about each of some places."""
+    visits = 10 if scatter_mm else 1
+    away = scatter_mm * np.random.default_rng(len(rows)).standard_normal((len(rows), visits, 3))
+    return has_settled(3600.0 * _HOURS[rows], list(places_mm[rows][:, None] + away))
+
+
 def test_p1_is_visited_in_tens_from_p2():
     session = drift_session(_POSES, nest=3)
 
@@ -59,7 +66,7 @@ def test_hours_that_are_none_are_refused(hours):
 def test_a_warm_robot_has_settled_once_it_is_ten_times_slower():
     """A rate that falls by a factor e an hour: 0.1 of that of the first hour is reached log(10) h later."""
     places = walk(_HOURS, lambda h: np.exp(-h))
-    warm = [has_settled(3600.0 * _HOURS[:k], places[:k]) for k in range(1, len(_HOURS) + 1)]
+    warm = [settled(range(k), places) for k in range(1, len(_HOURS) + 1)]
 
     assert _HOURS[warm.index(True)] == pytest.approx(1.0 + np.log(10.0), abs=0.25)
     assert all(warm[warm.index(True) :])
@@ -69,13 +76,30 @@ def test_a_warm_robot_has_settled_once_it_is_ten_times_slower():
 def test_a_robot_that_never_slows_down_never_settles(rate):
     places = walk(_HOURS, rate)
 
-    assert not any(has_settled(3600.0 * _HOURS[:k], places[:k]) for k in range(1, len(_HOURS) + 1))
+    assert not any(settled(range(k), places) for k in range(1, len(_HOURS) + 1))
 
 
 def test_hours_that_overlap_and_single_groups_tell_nothing():
     stopped = walk(_HOURS, lambda h: np.where(h <= 0.5, 1.0, 0.0))
 
-    assert not has_settled(3600.0 * _HOURS[:8], stopped[:8])  # until 1.75 h
-    assert has_settled(3600.0 * _HOURS[:13], stopped[:13])
+    assert not settled(range(8), stopped)  # until 1.75 h
+    assert settled(range(13), stopped)
     late = [0, 1, 2, 12]
-    assert not has_settled(3600.0 * _HOURS[late], stopped[late])
+    assert not settled(late, stopped)
+
+
+def test_a_robot_that_hardly_drifts_has_settled_once_two_hours_show_no_more_than_scatter():
+    still = np.zeros((len(_HOURS), 3))
+
+    # Each number of groups draws a scatter of its own; three slopes, each seen by chance in one of twenty.
+    held = [settled(range(k), still, scatter_mm=0.02) for k in range(9, len(_HOURS) + 1)]
+
+    assert not settled(range(8), still, scatter_mm=0.02)  # until 1.75 h
+    assert sum(held) >= 0.7 * len(held)
+
+
+def test_a_steady_drift_beyond_the_scatter_never_settles():
+    places = walk(_HOURS, lambda h: 0.0 * h + 0.1)
+
+    # A barycentre is known to 6 um, and walks by 100 um an hour.
+    assert not any(settled(range(k), places, scatter_mm=0.02) for k in range(1, len(_HOURS) + 1))
