@@ -149,18 +149,14 @@ ENDS: Final = (2, 4)
 _PARTS: Final[tuple[Component, ...]] = ("p", "x", "y", "z")
 
 
-def distance_performance(
-    commanded: Sequence[CommandedPose], visits: Visits, ends: tuple[int, int] = ENDS
-) -> Performance:
-    """Return AD and RD between two poses.
+def distance_performance(commanded: Sequence[CommandedPose], visits: Visits) -> Performance:
+    """Return AD and RD between P2 and P4.
 
     Parameters
     ----------
     commanded : sequence of CommandedPose
         The two among them.
     visits : Visits
-    ends : tuple of int
-        Numbers of the two poses.
 
     Returns
     -------
@@ -175,32 +171,32 @@ def distance_performance(
         One of the two poses is not commanded.
     """
     places = {pose.number: np.array(pose.position_mm) for pose in commanded}
-    for number in ends:
+    for number in ENDS:
         if number not in places:
             raise ConfigurationError(
                 f"P{number} is not among the commanded poses: the distance has no end there."
             )
-    subject = f"P{ends[0]}-P{ends[1]}"
+    subject = f"P{ENDS[0]}-P{ENDS[1]}"
     # Of one cycle: between two cycles the arm may have drifted, which is no scatter of a distance.
-    one, other = _of_both(visits, ends)
+    one, other = _of_both(visits)
     if len(one) < CYCLES:
-        reason = _reason(visits, ends, len(one))
+        reason = _reason(visits, len(one))
         return Performance((), (Missing("AD", subject, reason), Missing("RD", subject, reason)))
-    asked = places[ends[0]] - places[ends[1]]
+    asked = places[ENDS[0]] - places[ENDS[1]]
     return Performance(tuple(_figures(one, other, asked, subject)), ())
 
 
-def _of_both(visits: Visits, ends: tuple[int, int]) -> tuple[Visits, Visits]:
+def _of_both(visits: Visits) -> tuple[Visits, Visits]:
     """Return the visits of both ends, of the cycles that hold both."""
-    one, other = (visits.of_pose(number) for number in ends)
+    one, other = (visits.of_pose(number) for number in ENDS)
     _, first, second = np.intersect1d(one.cycle, other.cycle, return_indices=True)
     return one.taken(first), other.taken(second)
 
 
-def _reason(visits: Visits, ends: tuple[int, int], both: int) -> Message:
-    """Return why the distance between two poses is withheld."""
+def _reason(visits: Visits, both: int) -> Message:
+    """Return why the distance between the two poses is withheld."""
     # An end with too few visits is the plainer reason; else each has enough, but not in the same cycles.
-    reasons = [why for number in ends if (why := too_few(visits, number, CYCLES)) is not None]
+    reasons = [why for number in ENDS if (why := too_few(visits, number, CYCLES)) is not None]
     return reasons[0] if reasons else message("poses.both_ends", both=both, least=CYCLES)
 
 
