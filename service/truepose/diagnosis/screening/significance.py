@@ -126,7 +126,10 @@ class Function:
     Attributes
     ----------
     width : float
-        Standard deviation of its scaled parameters; 0 where none is seen.
+        Standard deviation of its scaled parameters for a fit that counts every reading by itself, 0 where
+        none is seen. Where delta readings are worth one (design effect), it is that of the function over the
+        root of delta: such a fit takes the mean of a stop for better than it is by that root, and with a
+        prior as much narrower it shrinks the function as it should.
     gain : float
         Of twice the log likelihood; minus infinity where nothing can be seen.
     explained : float

@@ -78,3 +78,25 @@ def test_a_function_is_no_larger_than_physics_allows():
 
     assert free.width > 0.5 >= held.width > 0.3
     assert held.gain < free.gain
+
+
+def test_readings_of_a_stop_that_err_alike_are_fitted_best_under_the_width_that_is_found():
+    """Three readings a stop with the same error: a fit that counts each must shrink thrice as much."""
+    width, squares, found_widths = 0.1, [], []
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        columns = np.repeat(waves(rng.uniform(-np.pi, np.pi, 100), highest=4), 3, axis=1)
+        weights = width * rng.standard_normal(len(columns))
+        residual = weights @ columns + np.repeat(rng.standard_normal(100), 3)
+        gram, towards = columns @ columns.T, columns @ residual
+        found = most_likely(gram, towards, Sums(float(residual @ residual), 300.0, 300.0, 3.0))
+        found_widths.append(found.width)
+        squares.append([
+            np.sum((np.linalg.solve(gram + np.eye(len(gram)) / prior**2, towards) - weights) ** 2)
+            for prior in (found.width, np.sqrt(3.0) * found.width)
+        ])
+
+    as_found, as_it_is = np.mean(squares, axis=0)
+    # A width by eight weights is known to a quarter, the mean square of a hundred of them to a twentieth.
+    assert np.sqrt(3.0 * np.mean(np.square(found_widths))) == pytest.approx(width, rel=0.15)
+    assert as_found < as_it_is
