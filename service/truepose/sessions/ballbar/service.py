@@ -138,10 +138,7 @@ class BallbarSessions(SessionController[BallbarRunner]):
         await self.require_possible(setup, plan)
         given = plan is wish.given
         notice = await asyncio.to_thread(judged, setup.cell, plan, kit_of(setup)) if given else ""
-        number = await self.desk.sessions.add(name, setup, plan, key)
-        if notice:
-            await self.desk.sessions.note(number, notice)
-        return number
+        return await self.desk.sessions.add(name, setup, plan, key, notice)
 
     async def require_possible(self, setup: SessionSetup, plan: BallbarPlan) -> None:
         """Raise PlanRefusedError where robot or kit cannot do what is planned."""

@@ -48,10 +48,7 @@ class ContactSessions(PromptingSessionController[ContactRunner]):
             return made
         plan = await asyncio.to_thread(_chosen, setup.cell, wanted)
         notice = await self.what_to_watch(setup, plan)
-        number = await self.desk.sessions.add(name, setup, plan, key)
-        if notice:
-            await self.desk.sessions.note(number, notice)
-        return number
+        return await self.desk.sessions.add(name, setup, plan, key, notice)
 
     async def what_to_watch(self, setup: SessionSetup, plan: ContactPlan) -> Text:
         """Return what to watch on the ways of a plan; raises PlanRefusedError where the cell cannot do it."""

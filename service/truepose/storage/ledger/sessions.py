@@ -88,11 +88,20 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     def __init__(self, database: Database) -> None:
         super().__init__(database, "session", sessions, _records, _record)
 
-    async def add(self, name: str, setup: SessionSetup, plan: AnyPlan, key: RequestKey | None = None) -> int:
-        """Store a planned session and return its number."""
-        return await self._database.write_new(
-            lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
-        )
+    async def add(
+        self, name: str, setup: SessionSetup, plan: AnyPlan, key: RequestKey | None = None, notice: Text = ""
+    ) -> int:
+        """Store a planned session, with what is to be watched of it as its first note; return its number."""
+
+        def create(connection: Connection) -> int:
+            number = add_session(connection, name, setup, plan)
+            # Within the transaction: of a request that is sent twice at once, and of one that is cut off
+            # here, the session has its note once.
+            if notice:
+                add_note(connection, number, notice)
+            return number
+
+        return await self._database.write_new(lambda c: once(c, key, "session", create))
 
     async def newest_of(self, count: int, month: str) -> list[SessionRecord]:
         """Return the latest sessions of a month (`2026-11`), or of all where it is empty, newest first."""

@@ -89,10 +89,7 @@ class TrackerKind(UnattendedKind):
         if not isinstance(wanted.plan, GivenStops):
             return Planned(await _queue(here, wanted, setup, plan, planning), by_job=True)
         notice = await asyncio.to_thread(judged, here.cell, plan)
-        number = await here.sessions.add(wanted.name, setup, plan, planning.key)
-        if notice and notice not in await here.sessions.notes(number):  # a repeated request finds it there
-            await here.sessions.note(number, notice)
-        return Planned(number)
+        return Planned(await here.sessions.add(wanted.name, setup, plan, planning.key, notice))
 
     async def places(self, here: Context, id: int) -> "tuple[list[Place], dict[int, StopState]]":
         """Return where the plan sends the arm, and what became of each stop."""
