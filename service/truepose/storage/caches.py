@@ -142,7 +142,9 @@ class Comparisons:
         wanted = sorted({*types})
         for robot in wanted:
             if robot not in self._known:
-                self._known[robot] = await asyncio.to_thread(self._read, robot)
+                found = await asyncio.to_thread(self._read, robot)
+                # While that was read a newer one may have been kept, which stays.
+                self._known.setdefault(robot, found)
         return [found for robot in wanted if (found := self._known[robot]) is not None]
 
     async def keep(self, data: bytes) -> None:
