@@ -11,7 +11,7 @@
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
 from typing import Any, Final
 
 from truepose.domain.ballbar import (
@@ -46,6 +46,7 @@ from truepose_drivers.errors import DriverError
 
 POLL_S: Final = 0.05  # of the ballbar: 20 Hz
 _LOOK_S: Final = 0.5  # at the robot while it stands
+_BREATHS_WITHOUT_CLOCK: Final = 100  # before a clock that failed is asked again
 _BREATH_S: Final = 0.005  # wall time between two polls: a simulated cell's clock may cost none
 
 
@@ -84,6 +85,7 @@ class BallbarRunner(SessionRunner[Situation]):
         self._cell = cell
         self._precalibrator = precalibrator
         self._breath_s = breath_s
+        self._next_poll_s = 0.0  # of the ballbar, cell clock
         record = BallbarRecord()
         logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, kit, record), entries)
         halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), effects={})
@@ -165,7 +167,7 @@ class BallbarRunner(SessionRunner[Situation]):
 
     def companions(self) -> tuple[Coroutine[Any, Any, None], ...]:
         """Follow ballbar and robot."""
-        return self._follow_ballbar(), self._follow_robot()
+        return self._follow(self._poll_ballbar), self._follow(self._look_at_robot)
 
     async def close(self) -> None:
         """Let go of the ballbar."""
@@ -247,20 +249,36 @@ class BallbarRunner(SessionRunner[Situation]):
 
     # what goes on meanwhile
 
-    async def _follow_ballbar(self) -> None:
-        next_s = 0.0
+    async def _follow(self, look: Callable[[], Awaitable[None]]) -> None:
+        """Look again and again, from the start of the session to its end."""
         while not self._ended:
             if self.situation.state is SessionState.PLANNED:
                 await self._logbook.changed(self._logbook.version)
                 continue
-            sample = await self._readings.poll(self.situation, robot_still=self._robot_is_still())
-            await self._heed_ballbar()
-            # In the cell's time, and without catching up: polls that were missed would come in a burst and
-            # count as samples.
-            next_s = max(next_s + POLL_S, sample.time_s)
-            now_s = await self._cell.clock.now_s()
-            await self._cell.clock.sleep(min(POLL_S, max(0.0, next_s - now_s)))
+            try:
+                await look()
+            # Of the cell's clock: what robot or ballbar fail by is told as theirs. The session waits for a
+            # person, and goes on to look, as with any other device.
+            except DriverError as error:
+                await self._hold_at_rest(text_of(error))
+                await asyncio.sleep(_BREATHS_WITHOUT_CLOCK * self._breath_s)
             await asyncio.sleep(self._breath_s)
+
+    async def _hold_at_rest(self, reason: Text) -> None:
+        async def keep() -> None:
+            if not self._halts.moving:  # a motion asks the same clock, and ends by it
+                await self._transitions.hold(reason)
+
+        await self._logbook.keep(keep)
+
+    async def _poll_ballbar(self) -> None:
+        sample = await self._readings.poll(self.situation, robot_still=self._robot_is_still())
+        await self._heed_ballbar()
+        # In the cell's time, and without catching up: polls that were missed would come in a burst and count
+        # as samples.
+        self._next_poll_s = max(self._next_poll_s + POLL_S, sample.time_s)
+        now_s = await self._cell.clock.now_s()
+        await self._cell.clock.sleep(min(POLL_S, max(0.0, self._next_poll_s - now_s)))
 
     async def _heed_ballbar(self) -> None:
         is_news = self._transitions.ballbar_news() is not None
@@ -299,17 +317,12 @@ class BallbarRunner(SessionRunner[Situation]):
         sample = self._readings.sample
         return self.situation.stop is None or (sample is not None and self._rest.is_still(sample.time_s))
 
-    async def _follow_robot(self) -> None:
-        while not self._ended:
-            if self.situation.state is SessionState.PLANNED:
-                await self._logbook.changed(self._logbook.version)
-                continue
-            await self._cell.clock.sleep(_LOOK_S)
-            await asyncio.sleep(self._breath_s)
-            if self._transitions.entered and not self._halts.moving:
-                await self._look_at_robot()
-
     async def _look_at_robot(self) -> None:
+        await self._cell.clock.sleep(_LOOK_S)
+        if self._transitions.entered and not self._halts.moving:
+            await self._require_robot_at_rest()
+
+    async def _require_robot_at_rest(self) -> None:
         moved, failure = None, None
         try:
             moved = await self._transitions.look_at_robot()

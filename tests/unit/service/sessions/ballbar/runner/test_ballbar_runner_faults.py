@@ -45,6 +45,28 @@ async def test_a_pulled_cable_is_shown_and_the_session_goes_on_when_it_is_back(f
         assert entry.length.initialisation == (3 if first == LEG else 4)
 
 
+async def test_a_clock_of_the_cell_that_fails_has_the_session_await_a_person_and_go_on():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(LEG)
+        tell = bench.clock.now_s
+
+        async def say_nothing():
+            raise NoReplyError("the cell's clock says nothing")
+
+        bench.clock.now_s = say_nothing
+        await bench.clock.advance(1.0)
+        assert bench.now.state is SessionState.AWAITING_CONFIRMATION
+        assert english(bench.now.question).startswith("the cell's clock says nothing. Put it right.")
+        assert not bench.running.done()
+
+        bench.clock.now_s = tell
+        await bench.press(CommandName.CONFIRM)
+
+        await bench.until(None)
+        assert bench.now.state is SessionState.FINISHED
+
+
 async def test_a_robot_that_is_gone_has_the_session_await_a_person_and_go_on():
     async with Bench(PLAN) as bench:
         await bench.start()
