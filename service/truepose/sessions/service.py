@@ -6,7 +6,6 @@ what was under way when the service ended awaits a named person.
 """
 
 import asyncio
-import contextlib
 import logging
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
@@ -361,8 +360,8 @@ class SessionService:
 
     async def _stop(self, under_way: UnderWay) -> None:
         under_way.task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await under_way.task
+        # Not awaited itself: that of whoever stops it would pass for the task's own cancellation.
+        await asyncio.wait({under_way.task})
         self._release(under_way.task)
 
 

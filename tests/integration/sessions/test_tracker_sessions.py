@@ -37,6 +37,8 @@ class FakeRunner:
         self.version = 0
         self.outcome = None if trouble else CommandOutcome(self.prompt.message, None)
         self._ended = asyncio.Event()
+        self.leaves, self.may_leave = asyncio.Event(), asyncio.Event()
+        self.may_leave.set()
 
     @property
     def moment(self):
@@ -46,7 +48,11 @@ class FakeRunner:
         return self.outcome
 
     async def run(self):
-        await self._ended.wait()
+        try:
+            await self._ended.wait()
+        finally:
+            self.leaves.set()
+            await self.may_leave.wait()
         return self.state
 
     def ends(self, state):
@@ -183,6 +189,23 @@ async def test_a_service_that_cannot_write_ends_all_the_same(scene, caplog, monk
         await scene.desk.close()
 
     assert "left as it is: The disk is full." in caplog.text
+
+
+async def test_whoever_is_cancelled_while_a_session_stops_is_cancelled_and_the_session_stops_in_peace(scene):
+    await scene.start(await scene.planned())
+    runner = scene.runners[-1]
+    runner.may_leave.clear()
+    closing = asyncio.create_task(scene.desk.close())
+    await runner.leaves.wait()
+
+    closing.cancel()
+    await asyncio.wait({closing})
+    assert closing.cancelled()
+    assert scene.held_by is not None  # it still lets go of its devices
+    runner.may_leave.set()
+    await scene.idle()
+
+    assert scene.held_by is None
 
 
 async def test_only_a_planned_session_starts(scene):
