@@ -272,6 +272,15 @@ class SessionService:
         self.watching.tell()
         return CommandAnswer(ENDED_AT_REST, number)
 
+    async def note(self, session_id: int, step_id: str, text: Text) -> None:
+        """Put a sentence on record of a session, by whoever runs it; raises RecordRefusedError."""
+        under_way = self.under_way(session_id)
+        if under_way is not None:
+            await under_way.runner.note(step_id, text)
+        else:
+            time_s = await self._last_time_s(session_id)
+            await self.ledger.append(session_id, LedgerEntry(step_id, EntryKind.NOTED, time_s, text=text))
+
     async def enter(
         self,
         session_id: int,
@@ -281,12 +290,16 @@ class SessionService:
         control: Control | None = None,
     ) -> int:
         """Put on record that a session that nobody runs has entered a state; returns the line's number."""
-        kept = await self.ledger.whole(session_id)
-        time_s = kept[-1].entry.time_s if kept else 0.0
+        time_s = await self._last_time_s(session_id)
         entry = LedgerEntry("", EntryKind.CONTROL, time_s, text=reason, entered=state, control=control)
         if act is not None:
             entry = replace(entry, person=act.person or None, tablet=act.tablet or None, key=act.key)
         return await self.ledger.append(session_id, entry)
+
+    async def _last_time_s(self, session_id: int) -> float:
+        """Return the cell time of the last line of a session that nobody runs."""
+        kept = await self.ledger.whole(session_id)
+        return kept[-1].entry.time_s if kept else 0.0
 
     async def start(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
         """Have a session run beside which no other is under way; the caller holds `turn`.

@@ -7,11 +7,12 @@ come off, or a person says how they know, on the record of the session that they
 """
 
 import contextlib
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeAlias
 
 from truepose.domain.cell import BallbarKit
-from truepose.domain.ledger import BALLBAR_OFF, BALLBAR_ON, EntryKind, LedgerEntry
+from truepose.domain.ledger import BALLBAR_OFF, BALLBAR_ON
 from truepose.messages.message import Text, message
 from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, AttachmentEvidence
 from truepose.sessions.ballbar.live import Seen
@@ -24,6 +25,8 @@ from truepose.storage.ledger.sessions import SessionRepository
 from truepose_drivers.api import Ballbar
 from truepose_drivers.errors import DriverError
 
+Note: TypeAlias = Callable[[int, str, Text], Awaitable[None]]  # session, step of the line, sentence
+
 _SAMPLES: Final = 12  # enough to see that it is off, or that it does not move as in a hand
 _EVERY_S: Final = 0.05
 _LEFT_ON: Final = message("session.bar.left_on")
@@ -34,10 +37,14 @@ _SEEN_OFF: Final = message("session.bar.seen_off")
 class BarPutAway:
     """Judges confirmations of sessions without the ballbar by the bar in their cell."""
 
-    def __init__(self, sessions: SessionRepository, ledger: LedgerRepository, rack: DeviceRegistry) -> None:
+    def __init__(
+        self, sessions: SessionRepository, ledger: LedgerRepository, rack: DeviceRegistry, note: Note
+    ) -> None:
+        """Judge by these records; `note` puts a sentence on record of a session, whoever runs it."""
         self._sessions = sessions
         self._ledger = ledger
         self._rack = rack
+        self._note = note
         self._followed: tuple[int, AttachmentEvidence] | None = None  # since the session was first confirmed
 
     async def judged(self, session_id: int, act: OperatorCommand) -> OperatorCommand:
@@ -59,7 +66,7 @@ class BarPutAway:
             # Kept, so that the next confirmation, or another session, knows of it although the bar may have
             # fallen silent.
             if not left_on:
-                await self._note_read(session_id)
+                await self._note(session_id, BALLBAR_ON, _READ)
             raise NotNowError(_LEFT_ON)
         return replace(act, ballbar_off=_why_off(seen, act)) if left_on else act
 
@@ -107,10 +114,6 @@ class BarPutAway:
                 return attached
             break
         return noted is not None and noted.entry.step_id == BALLBAR_ON
-
-    async def _note_read(self, session_id: int) -> None:
-        time_s = await self._rack.clock.now_s()
-        await self._ledger.append(session_id, LedgerEntry(BALLBAR_ON, EntryKind.NOTED, time_s, text=_READ))
 
 
 def _why_off(seen: Seen, act: OperatorCommand) -> Text:

@@ -100,7 +100,7 @@ class BallbarSessions(SessionController[BallbarRunner]):
         make_runner: MakeRunner = BallbarRunner,
     ) -> None:
         super().__init__(desk)
-        self._removal = BarPutAway(desk.sessions, desk.ledger, desk.rack)
+        self._removal = BarPutAway(desk.sessions, desk.ledger, desk.rack, desk.note)
         self._make_precalibrator = make_precalibrator
         self._choose = choose
         self._make_runner = make_runner

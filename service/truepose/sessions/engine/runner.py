@@ -251,6 +251,13 @@ class SessionRunner(ABC, Generic[S]):
         finally:
             self._logbook.tell()
 
+    async def note(self, step_id: str, text: Text) -> None:
+        """Put a sentence on record; raises RecordRefusedError."""
+        async with self._logbook.changing:
+            # The restart comes on record before what follows it.
+            await self._logbook.open()
+            await self._logbook.append(EntryKind.NOTED, step_id, text=text)
+
     async def ask(self, act: OperatorCommand) -> CommandOutcome:
         """As `act`; a halt that holds although it cannot be kept yet is answered all the same."""
         try:

@@ -6,7 +6,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from truepose.domain.cell import BallbarKit, DeviceEntry
-from truepose.domain.ledger import BALLBAR_ON
+from truepose.domain.ledger import BALLBAR_ON, EntryKind, LedgerEntry
 from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.devices import DeviceRegistry, MountedDevice
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
@@ -70,8 +70,8 @@ class Records:
     async def newest_at(self, *steps, simulated):
         return LedgerRecord(len(self.lines), "", self.lines[-1]) if self.lines else None
 
-    async def append(self, session_id, entry):
-        self.lines.append(entry)
+    async def note(self, session_id, step_id, text):
+        self.lines.append(LedgerEntry(step_id, EntryKind.NOTED, 0.0, text=text))
 
 
 CONFIRM = OperatorCommand(CommandName.CONFIRM, "Ada")
@@ -79,7 +79,7 @@ CONFIRM = OperatorCommand(CommandName.CONFIRM, "Ada")
 
 async def judged(rack, records=None):
     records = records or Records()
-    return await BarPutAway(records, records, rack).judged(1, CONFIRM)
+    return await BarPutAway(records, records, rack, records.note).judged(1, CONFIRM)
 
 
 async def test_a_ballbar_that_reads_a_length_keeps_the_arm_where_it_is():

@@ -110,6 +110,7 @@ async def test_of_ballbar_sessions_the_last_ones_and_the_one_under_way_are_remem
         sessions=sessions,
         ledger=None,
         rack=None,
+        note=None,
         under_way=lambda number: number == 1 or None,
     )
     kind = ballbar.BallbarSessions(desk, None, None)

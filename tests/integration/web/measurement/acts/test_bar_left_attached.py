@@ -157,6 +157,18 @@ async def test_one_that_is_seen_to_come_off_is_asked_about_no_more(client, bench
     assert await notes(client, path) == ["The ballbar was seen to come off."]
 
 
+async def test_a_length_that_is_read_is_a_line_of_the_session_like_any_other(client, bench, kind):
+    path = await kind.started(client)
+    refused = await confirm(client, path)
+
+    lines = (await client.get(f"{path}/ledger")).json()["entries"]
+    shown = (await client.get(f"{path}/situation")).json()
+
+    assert refused.status_code == 409
+    assert lines[-1]["step_id"] == "ballbar-on"
+    assert shown["ledger_number"] == lines[-1]["number"]
+
+
 async def test_nobody_is_asked_where_no_session_left_it_attached(client, bench, kind):
     switch_off(bench)
     path = await kind.started(client)
