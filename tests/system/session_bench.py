@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import ListLedger
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
@@ -32,6 +33,7 @@ _ELBOW_UP = tuple(
     JointRange(math.radians(lower), math.radians(upper))
     for lower, upper in ((-90, 90), (-120, -60), (-120, -20), (-180, 0), (-120, 120), (-180, 180))
 )
+LOOK_S = 0.01  # between looks of an operator: one who looks all the time takes the cell its processor
 _LIMIT = 1 << 24  # bytes of one answer of the truth endpoint
 
 
@@ -127,7 +129,7 @@ async def bench(
     )
     assert process.stdout is not None
     endpoints: dict[str, dict[str, Any]] = {}
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while "truth" not in endpoints:
             endpoint = json.loads(await process.stdout.readline())
             endpoints[endpoint["device"]] = endpoint

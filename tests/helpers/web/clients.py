@@ -5,6 +5,7 @@ import contextlib
 
 import httpx
 
+from tests.helpers.machine import HANGS_S
 from truepose.app import create_app
 
 ENDED = {"succeeded", "failed"}
@@ -26,7 +27,7 @@ async def served(*pieces):
 
 async def until(client, path, condition):
     """Ask a resource until it is as it should be, and return it."""
-    async with asyncio.timeout(120):
+    async with asyncio.timeout(HANGS_S):
         while not condition(found := (await client.get(path)).json()):
             await asyncio.sleep(0.05)
     return found

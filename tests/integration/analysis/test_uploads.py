@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
+from tests.helpers.machine import HANGS_S
 from truepose.analysis.errors import BusyError
 from truepose.analysis.job_queue.supervisor import TaskRefusedError, perform_in_worker
 from truepose.analysis.job_queue.tasks import CampaignRead
@@ -56,7 +57,7 @@ class Reading:
 
 
 async def soon(condition):
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while not condition():
             await asyncio.sleep(0)
 

@@ -8,6 +8,7 @@ import socket
 import pytest
 import uvicorn
 
+from tests.helpers.machine import HANGS_S
 from truepose.app.connections import Census, Limits, looked_after
 from truepose.app.http_protocol import WatchedProtocol
 
@@ -74,7 +75,7 @@ async def until_closed(reader):
     """Return what came before the other side closed."""
     received = b""
     with contextlib.suppress(ConnectionError):
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HANGS_S):
             while chunk := await reader.read(65536):
                 received += chunk
     return received

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.integration.connections.conftest import TIGHT, connected, served, until_closed
 from truepose.app.connections import Limits
 
@@ -57,7 +58,7 @@ async def test_who_does_not_read_the_answer_is_closed():
     async with served() as (port, census):
         with socket.create_connection(("127.0.0.1", port)) as deaf:
             deaf.sendall(b"GET /30000000 HTTP/1.1\r\nHost: localhost\r\n\r\n")
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(HANGS_S):
                 for expected in (1, 0):
                     while len(census) != expected:
                         await asyncio.sleep(0.01)

@@ -9,6 +9,7 @@ from importlib.resources import files
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from truepose.app import server
 from truepose.cli.services import serve_command
 
@@ -67,7 +68,7 @@ async def test_a_watchdog_hears_that_the_loop_turns(manager, monkeypatch):
     monkeypatch.setenv("WATCHDOG_USEC", "30000")
 
     telling = asyncio.create_task(server.keep_telling())
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(HANGS_S):
         for _ in range(3):
             assert await asyncio.get_running_loop().sock_recv(manager, 100) == b"WATCHDOG=1"
     telling.cancel()
@@ -77,6 +78,6 @@ async def test_without_a_watchdog_there_is_nothing_to_tell(monkeypatch):
     monkeypatch.delenv("WATCHDOG_USEC", raising=False)
 
     telling = asyncio.create_task(server.keep_telling())
-    await asyncio.wait({telling}, timeout=60)
+    await asyncio.wait({telling}, timeout=HANGS_S)
 
     assert telling.done() and telling.exception() is None

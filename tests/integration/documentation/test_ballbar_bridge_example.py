@@ -4,6 +4,7 @@ import asyncio
 import sys
 from pathlib import Path
 
+from tests.helpers.machine import HANGS_S
 from truepose_drivers.ballbar_bridge.driver import PLUGIN
 
 BRIDGE = Path(__file__).parents[3] / "docs" / "examples" / "ballbar_bridge.py"
@@ -25,7 +26,7 @@ async def test_numbers_on_standard_input_become_readings():
     driver = PLUGIN.open({"host": "127.0.0.1", "port": port}, None)
     words = asyncio.create_task(say(bridge.stdin, ["0.5", "nonsense", "nan", "-0.25", "low", "none"]))
     try:
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(HANGS_S):
             await driver.connect()
             identity = await driver.identify()
             seen = set()

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from truepose_drivers.errors import DeviceRefusedError, ReflectorNotFoundError
 from truepose_drivers.guard import guarded
 from truepose_drivers.json_bridge.driver import PLUGIN
@@ -35,7 +36,7 @@ async def test_as_it_stands_it_is_a_tracker_of_points():
     port = int((await bridge.stderr.readline()).split()[-1])
     tracker = guarded("json_bridge", "tracker", PLUGIN.open({"host": "127.0.0.1", "port": port}, None))
     try:
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(HANGS_S):
             await tracker.connect()
             identity = await tracker.identify()
             await tracker.initialise()
@@ -69,7 +70,7 @@ async def test_an_instrument_that_takes_its_time_is_said_to_be_at_work(example):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         reader, writer = await asyncio.open_connection(*server.server_address)
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(HANGS_S):
             writer.write(b'{"id": 4, "ask": "initialise"}\n')
             busy = [json.loads(await reader.readline()) for _ in range(2)]
             go_on.set()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import CELL, Bench
@@ -154,7 +155,7 @@ async def tablet(tmp_path, simulated):
 
 async def measured(tablet, step_id):
     """Store the length of a step, and return the line of the ledger that keeps it."""
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(HANGS_S):
         while True:
             found = [one for one in await tablet.ledger() if one["kind"] == "measured"]
             if found and found[-1]["step_id"] == step_id:
@@ -178,7 +179,7 @@ async def test_another_gauge_at_its_address_is_refused_until_a_person_accepts_it
     simulated.gauge.serial = _OTHER
     simulated.hang_up()
 
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(HANGS_S):
         while (seen := await tablet.see())["ballbar_in_question"] is None:
             await tablet.press({"paused": "resume"}.get(seen["state"], "store"))
     kept = len([one for one in await tablet.ledger() if one["kind"] == "measured"])

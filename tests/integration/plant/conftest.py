@@ -12,6 +12,7 @@ import httpx
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
@@ -191,7 +192,7 @@ async def all_collected(client, cell):
     """Wait until all that the cell has is there: a visit may fall between two records of a measurement."""
     newest = await cell.newest()
     client.here.collector.visit_soon("left arm")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while (await client.here.journal.reached("left arm")).position < newest:
             await asyncio.sleep(0.02)
 

@@ -9,6 +9,7 @@ import httpx
 import pytest
 from sqlalchemy import select
 
+from tests.helpers.machine import HANGS_S
 from truepose.exchange.cells.plant import PlantCell
 from truepose.plant import cell_client, collector
 from truepose.plant.cell_client import CellClient
@@ -47,7 +48,7 @@ def asked(status=200, body=b"", cell=None):
 
 
 async def until(holds):
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while not (found := await holds()):
             await asyncio.sleep(0.005)
     return found

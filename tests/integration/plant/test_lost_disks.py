@@ -6,6 +6,7 @@ import os
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from tests.integration.plant.conftest import Plant
 from truepose.app.plants import open_plant as served_by
@@ -93,7 +94,7 @@ async def test_a_plant_makes_copies_while_it_serves_and_says_how_old_the_newest_
     )
 
     async with app.router.lifespan_context(app), client_of(app) as client:
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(HANGS_S):
             while (health := (await client.get("/health")).json())["newest_copy_age_s"] is None:
                 await asyncio.sleep(0.01)
         wanted.folder.rename(tmp_path / "away")

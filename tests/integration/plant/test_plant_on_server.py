@@ -7,6 +7,7 @@ import shutil
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of, command, until
 from tests.integration.plant.conftest import Plant, all_collected, restored_from_an_older_copy
 from tests.integration.web.bench import session_request
@@ -70,7 +71,7 @@ async def work_with(client):
         answer = await client.post(
             "/api/v1/plant/hand-downs", json=wanted, headers={"Idempotency-Key": "monthly"}
         )
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while (await client.get(answer.headers["Location"])).json()["state"] != "delivered":
             await asyncio.sleep(0.02)
 

@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.integration.plant.conftest import all_collected
 from truepose.domain.people import MACHINE, Role
 from truepose.messages.catalogue import LANGUAGES
@@ -36,7 +37,7 @@ async def service(tmp_path, empty_database, served_plant):
 
 async def first_visited(service):
     """Wait for the visit that the plant begins with; the next one comes when it is told to."""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while (await service.here.visits.newest())["left arm"] is None:
             await asyncio.sleep(0.02)
 

@@ -5,6 +5,7 @@ import asyncio
 import httpx
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from truepose.app.plants import open_plant
 from truepose.domain.people import MACHINE, Role
@@ -27,7 +28,7 @@ async def service(tmp_path, served_plant):
 
 
 async def until(service, path, holds):
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while not holds(found := (await service.get(path)).json()):
             await asyncio.sleep(0.02)
     return found

@@ -8,6 +8,7 @@ import pytest
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import entered
+from tests.helpers.machine import HANGS_S
 from tests.integration.sessions.scenes import Surroundings
 from tests.integration.web.bench import Bench
 from truepose.domain.cell import BallbarKit
@@ -150,7 +151,7 @@ async def test_an_act_of_a_session_that_runs_does_not_wait_for_what_others_prepa
     session_id = await scene.planned()
     await scene.act(session_id, key="k1")
 
-    async with scene.desk.turn, asyncio.timeout(60):
+    async with scene.desk.turn, asyncio.timeout(HANGS_S):
         stopped = await scene.act(session_id, CommandName.STOP, key="k2")
 
     assert stopped.sentence == "Done 2 times."

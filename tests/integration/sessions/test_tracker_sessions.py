@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.domain.tracker_sessions import entered
+from tests.helpers.machine import HANGS_S
 from tests.integration.sessions.scenes import Surroundings
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
@@ -90,7 +91,7 @@ class Scene(Surroundings):
         return self.runners[-1].moment.prompt.message
 
     async def idle(self):
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(HANGS_S):
             while self.desk.now is not None:
                 await asyncio.sleep(0.001)
 

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.machine import HANGS_S
 from truepose.storage.database import Database
 from truepose.storage.engine.backend import FOREIGN, Condition
 from truepose.storage.engine.sqlite_connections import LIBRARY
@@ -113,7 +114,7 @@ async def test_what_is_changed_while_the_service_runs_is_found(database, what):
     await whole(database)
 
     tamper(database.file, TAMPERED[what])
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.fault is None:
             await asyncio.sleep(0.05)
         while database.condition.integrity == "checking":
@@ -133,14 +134,14 @@ async def test_a_doubt_that_comes_with_the_end_does_not_outlive_it(database):
 
     guarding.cancel()
     guard._doubt.set()
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await asyncio.gather(guarding, return_exceptions=True)
 
     assert guarding.cancelled()
 
 
 async def whole(database):
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.integrity != "whole":
             await asyncio.sleep(0.05)
 
@@ -152,7 +153,7 @@ async def test_what_others_write_without_changing_a_record_is_found_to_be_harmle
     await whole(database)
 
     tamper(database.file, "CREATE TABLE other (id INTEGER); DROP TABLE other;")
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while not said or database.condition.fault is not None:
             await asyncio.sleep(0.05)
 
@@ -191,7 +192,7 @@ async def test_a_look_by_a_process_settles_no_doubt(process, database, monkeypat
     database.condition.note_damage(FOREIGN, "Another program has written.")
 
     guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.unchecked is None:
             assert not guarding.done()
             await asyncio.sleep(0.01)
@@ -207,7 +208,7 @@ async def test_a_look_that_was_not_finished_is_taken_again(database, monkeypatch
     monkeypatch.setattr(monitor, "_RETRY_S", 0.0)
     monkeypatch.setattr(monitor, "_COMMAND", (sys.executable, "-c", "raise SystemExit(1)"))
     guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.unchecked is None:
             await asyncio.sleep(0.01)
 
@@ -308,7 +309,7 @@ async def test_a_removed_database_comes_back_without_anybody_writing(database):
     await whole(database)
     database.file.unlink()
 
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while not database.file.exists():
             await asyncio.sleep(0.05)
 
@@ -323,14 +324,14 @@ async def test_another_file_in_its_place_is_no_damage_of_the_database(database):
     database.file.write_text("something else")
 
     guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while "Another file lies" not in (database.condition.fault or ""):
             await asyncio.sleep(0.05)
     await asyncio.sleep(1.0)
     assert not database.condition.damaged
 
     database.file.with_name("away").replace(database.file)
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.fault is not None:
             await asyncio.sleep(0.05)
     guarding.cancel()

@@ -11,6 +11,7 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import served, until
 from tests.integration.web.bench import CELL, Bench
 from truepose.settings import Settings
@@ -116,7 +117,7 @@ async def test_the_locks_outlast_everything_that_a_service_does_by_itself(sealed
 
     async with served(settings, Bench().registry()) as client:
         await until(client, "/health", lambda health: health["integrity"]["state"] == "whole")
-        async with asyncio.timeout(120):
+        async with asyncio.timeout(HANGS_S):
             while not copies_in(plan.folder):
                 await asyncio.sleep(0.05)
 

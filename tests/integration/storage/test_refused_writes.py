@@ -10,6 +10,7 @@ import textwrap
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.machine import HANGS_S
 from truepose.storage.database import Database
 from truepose.storage.engine import sqlite_file
 from truepose.storage.engine.sqlite_connections import LIBRARY
@@ -51,7 +52,7 @@ async def test_a_lock_that_others_hold_refuses_until_it_is_gone(impatient, locke
         await add(impatient)
 
     locked.execute("ROLLBACK")
-    await asyncio.wait_for(impatient.writable(), 10)
+    await asyncio.wait_for(impatient.writable(), HANGS_S)
     await add(impatient)
 
     assert impatient.condition.fault is None
@@ -69,7 +70,7 @@ async def test_a_full_disk_refuses_until_there_is_room(database):
     kept = await names(database)
 
     database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={2**31}")).result()
-    await asyncio.wait_for(database.writable(), 10)
+    await asyncio.wait_for(database.writable(), HANGS_S)
     await add(database, "last")
 
     assert await names(database) == [*kept, "last"]
@@ -90,7 +91,7 @@ async def test_a_link_for_which_there_is_no_room_is_refused_like_any_record(data
 
     assert isinstance(refused, StorageUnavailableError), refused
     assert results == [*range(1, others + 1)]
-    await asyncio.wait_for(database.writable(), 10)
+    await asyncio.wait_for(database.writable(), HANGS_S)
     await add(database, "last")
 
 
@@ -177,7 +178,7 @@ async def test_a_database_in_whose_place_another_file_lies_is_not_written_over_i
         await add(database, "second")
     assert database.file.read_text() == "something else"
     database.file.unlink()
-    await asyncio.wait_for(database.writable(), 10)
+    await asyncio.wait_for(database.writable(), HANGS_S)
     await add(database, "second")
 
     assert await names(database) == ["first", "second"]

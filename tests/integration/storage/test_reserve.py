@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.machine import HANGS_S
 from truepose.storage.database import Database
 from truepose.storage.engine import sqlite
 from truepose.storage.errors import StorageUnavailableError
@@ -101,7 +102,7 @@ async def test_without_a_reserve_a_full_disk_refuses_as_ever(database, disk):
     assert database.condition.low is None
 
     disk.make_room()
-    await asyncio.wait_for(database.writable(), 10)
+    await asyncio.wait_for(database.writable(), HANGS_S)
 
 
 async def test_a_disk_with_little_room_is_left_to_others(database, monkeypatch):

@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
@@ -80,7 +81,7 @@ def asking(client):
     """
 
     async def ask(path, key, *values):
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(HANGS_S):
             while (found := (await client.get(path)).json()).get(key) not in values:
                 await asyncio.sleep(0.005)
         return found

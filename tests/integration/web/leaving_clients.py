@@ -2,6 +2,8 @@
 
 import asyncio
 
+from tests.helpers.machine import HANGS_S
+
 
 class LeavingClient:
     """One request on a connection that ends when the test says so."""
@@ -24,7 +26,7 @@ class LeavingClient:
     async def leave(self):
         """End the connection and wait until the service has noticed."""
         self._received.put_nowait({"type": "http.disconnect"})
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(HANGS_S):
             await self._request
 
     async def _send(self, message):

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.integration.web.ballbar_bench import PLACE, PLACEMENT
 from tests.studies.interruptions.killed_service import standing_service
 from truepose.demo.simulated_operator import SimulatedOperator
@@ -17,7 +18,7 @@ async def service(tmp_path):
 
 
 async def ended(client, path):
-    async with asyncio.timeout(120):
+    async with asyncio.timeout(HANGS_S):
         while (job := (await client.get(path)).json())["state"] in {"queued", "running"}:
             await asyncio.sleep(0.1)
     return job

@@ -9,6 +9,7 @@ from importlib.resources import files
 import httpx
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command
 from tests.integration.web.ballbar_bench import WANTED
 from tests.studies.interruptions.killed_service import KilledService
@@ -69,7 +70,7 @@ class Exchanged:
         return await command(self.http, "/api/v1/sessions/1", name, **said)
 
     async def until(self, path, condition):
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(HANGS_S):
             while not condition(found := await self.get(path)):
                 await asyncio.sleep(0.02)
         return found

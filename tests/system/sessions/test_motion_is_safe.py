@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.helpers.domain import asking
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import FakeCell, ListLedger, make_plan
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
@@ -181,7 +182,7 @@ async def play(script):
 async def finish(guard):
     """Answer all questions that are left, ten at most, and end the session after that."""
     answers = 0
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while not guard.running.done():
             await asyncio.sleep(0)
             if guard.runner.prompt is None:

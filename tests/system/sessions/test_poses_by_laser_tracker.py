@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.system.session_bench import Bench, bench
+from tests.helpers.machine import HANGS_S
+from tests.system.session_bench import LOOK_S, Bench, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.cell import Camera
 from truepose.domain.robot import Nest
@@ -56,8 +57,8 @@ async def test_every_pose_is_kept_to_the_trackers_noise():
         stops = tuple(replace(stop, nest=4) for stop in plan.stops)
         runner = TrackerRunner(replace(plan, stops=stops, measures="poses"), opened.cell, opened.journal)
 
-        async with asyncio.timeout(60):
-            ended = await PatientOperator().attend(runner, asyncio.create_task(runner.run()))
+        async with asyncio.timeout(HANGS_S):
+            ended = await PatientOperator(look_s=LOOK_S).attend(runner, asyncio.create_task(runner.run()))
 
         points = opened.journal.points
         joints = [point.commanded_rad for point in points]

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from tests.system.session_bench import bench
+from tests.helpers.machine import HANGS_S
+from tests.system.session_bench import LOOK_S, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -46,10 +47,10 @@ async def measured(folder, base, faults, n, **changes):
     file.write_text(faults)
     async with bench(base, 31, "--faults", str(file), scenario_file=scenario) as opened:
         plan = replace(plan_validation(opened.space, n, seed=9), registration_readings=3, **changes)
-        operator = PatientOperator(patience=20)
+        operator = PatientOperator(patience=20, look_s=LOOK_S)
         runner = TrackerRunner(plan, opened.cell, opened.journal)
         running = asyncio.create_task(runner.run())
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(HANGS_S):
             ended = await operator.attend(runner, running)
         errors_mm = await opened.true_errors_mm()
     assert ended is SessionState.FINISHED, operator.questions

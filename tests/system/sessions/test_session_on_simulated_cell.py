@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.system.session_bench import Bench, bench
+from tests.helpers.machine import HANGS_S
+from tests.system.session_bench import LOOK_S, Bench, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
 from truepose.planning.tracker.plans import plan_calibration, plan_validation
@@ -25,8 +26,8 @@ SCENARIO = "irb120-tilted"
 async def run(opened: Bench, plan, operator=None) -> SessionState:
     runner = TrackerRunner(plan, opened.cell, opened.journal)
     running = asyncio.create_task(runner.run())
-    async with asyncio.timeout(60):
-        return await (operator or PatientOperator()).attend(runner, running)
+    async with asyncio.timeout(HANGS_S):
+        return await (operator or PatientOperator(look_s=LOOK_S)).attend(runner, running)
 
 
 async def true_errors(opened: Bench):
@@ -69,7 +70,7 @@ async def test_directions_and_joints_are_kept_as_the_robot_reports_them():
 
 async def test_a_tracker_blinded_after_the_registration_pauses_at_the_first_configuration():
     async with bench(SCENARIO, seed=13) as opened:
-        operator = PatientOperator(patience=1)
+        operator = PatientOperator(patience=1, look_s=LOOK_S)
         registered = opened.journal.registered
 
         async def blind_from_now_on(registration):
@@ -112,7 +113,7 @@ async def test_a_reflector_left_out_of_its_nest_skips_the_configurations_that_ne
 
 async def test_a_fixed_nest_that_is_knocked_pauses_the_session():
     async with bench(SCENARIO, seed=17) as opened:
-        operator = PatientOperator(patience=1)
+        operator = PatientOperator(patience=1, look_s=LOOK_S)
         point_taken = opened.journal.point_taken
 
         async def knock_after_the_fifth(point):
@@ -157,7 +158,7 @@ async def test_a_session_waits_in_the_time_of_the_cell_alone(monkeypatch):
 
 async def test_lines_that_stall_are_waited_for():
     async with bench(SCENARIO, seed=31) as opened:
-        operator = PatientOperator()
+        operator = PatientOperator(look_s=LOOK_S)
         await opened.ask(op="fault", kind="line_stalls")
 
         ended = await run(opened, plan_validation(opened.space, 3, seed=9), operator)
@@ -178,7 +179,7 @@ async def test_a_robot_that_says_nothing_waits_for_a_person_and_goes_on(kind):
         fast = replace(
             plan_validation(opened.space, 4, seed=8), tool_speed_mm_s=1e5, orientation_speed_rad_s=100.0
         )
-        operator = PatientOperator()
+        operator = PatientOperator(look_s=LOOK_S)
 
         ended = await run(opened, fast, operator)
         await robot.close()

@@ -5,6 +5,7 @@ import hashlib
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.studies.interruptions.killed_service import standing_service
 from truepose.demo.simulated_operator import SimulatedOperator
 from truepose.exchange.campaigns.folder import read_campaign
@@ -34,7 +35,7 @@ async def _identified(service, folder):
     )
     job = await service.post("/api/v1/identifications", json={"campaign_id": sent.json()["id"]})
     assert job.status_code == 202, job.text
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while not (models := (await service.get("/api/v1/models")).json()):
             await asyncio.sleep(0.1)
     return models[0]["id"]

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.commands import installed, typed
-from tests.system.session_bench import bench
+from tests.helpers.machine import HANGS_S
+from tests.system.session_bench import LOOK_S, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.campaign import Stops
 from truepose.exchange.models.file import read_model
@@ -147,8 +148,8 @@ async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared, f
         plan = plan_validation(opened.space, 25, seed=1)
         runner = TrackerRunner(plan, opened.cell, opened.journal)
         running = asyncio.create_task(runner.run())
-        async with asyncio.timeout(60):
-            await PatientOperator().attend(runner, running)
+        async with asyncio.timeout(HANGS_S):
+            await PatientOperator(look_s=LOOK_S).attend(runner, running)
 
     points = opened.journal.points
     stops = Stops(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.machine import OWN_NETWORK
+from tests.helpers.machine import HANGS_S, OWN_NETWORK
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.tcp import TcpLink
@@ -199,7 +199,7 @@ async def test_a_peer_that_hung_up_is_noticed_without_asking():
         await link.open()
         await link.send(b"bye")
 
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(HANGS_S):
             while link.is_open:
                 await asyncio.sleep(0.001)
 

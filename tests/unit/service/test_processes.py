@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from tests.helpers.machine import KILLING_SIGNALS
+from tests.helpers.machine import HANGS_S, KILLING_SIGNALS
 from truepose.processes import asked_to_end, in_own_group, interrupt_this_process, kill_group
 from truepose_simulators import __main__
 
@@ -65,7 +65,7 @@ async def test_a_simulated_cell_hears_whoever_asks_it_to_end(system, handlers):
     for number in asking(system):
         asked = __main__.asked_to_end()
         signal.raise_signal(number)
-        await asyncio.wait_for(asked.wait(), 10)
+        await asyncio.wait_for(asked.wait(), HANGS_S)
         assert asked.is_set()
 
 
@@ -97,7 +97,7 @@ async def test_a_process_is_killed_once_and_may_have_ended(monkeypatch, grouped)
     )
 
     kill_group(process)
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(HANGS_S):
         status = await process.wait()
     kill_group(process)
 

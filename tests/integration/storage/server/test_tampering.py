@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.machine import HANGS_S
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError
 from truepose.storage.integrity.monitor import Guard
@@ -75,7 +76,7 @@ async def test_what_was_changed_is_found(left, server, database_url, script):
 
 
 async def whole(database):
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.integrity != "whole":
             await asyncio.sleep(0.05)
 
@@ -88,7 +89,7 @@ async def test_a_trigger_that_is_put_out_of_force_while_the_service_runs_is_foun
     await whole(database)
 
     tamper(server, database_url, TAMPERED["a trigger put out of force"])
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while database.condition.fault is None:
             await asyncio.sleep(0.05)
 
@@ -104,7 +105,7 @@ async def test_records_that_another_program_writes_bring_a_verification(database
 
     link = "INSERT INTO links SELECT max(id) + 1, 0, 'sessions', 9, 'x' FROM links"
     tamper(server, database_url, link)
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while "Another program has written" not in (database.condition.fault or ""):
             await asyncio.sleep(0.05)
         while database.condition.integrity != "damaged":

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
@@ -260,7 +261,7 @@ async def test_a_client_that_goes_away_ends_the_reading_and_nothing_is_stored(ap
     waiting = Waiting()
     app.state.context.campaign_desk.uploads = Uploads(waiting)
     leaving = LeavingClient(app, CAMPAIGNS, b"PK", "application/zip")
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await waiting.begun.wait()
 
     await leaving.leave()

@@ -5,6 +5,7 @@ import threading
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.bench import Bench, session_request, stops
 from truepose.sessions.tracker import service
@@ -24,7 +25,7 @@ async def running(client, bench):
     path = await planned(client)
     await command(client, path, "start")
     await command(client, path, "confirm")
-    await asyncio.wait_for(bench.robot.sent.wait(), 10)
+    await asyncio.wait_for(bench.robot.sent.wait(), HANGS_S)
     return path
 
 
@@ -157,7 +158,7 @@ async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(sett
         await asyncio.sleep(0.05)
         moves_before = later.robot.moves
         await command(client, path, "confirm", person="Grace")
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(HANGS_S):
             while (session := (await client.get(path)).json())["state"] != "finished":
                 await asyncio.sleep(0.005)
 

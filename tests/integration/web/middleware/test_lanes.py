@@ -7,6 +7,7 @@ import httpx
 import pytest
 from fastapi.responses import StreamingResponse
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.routes import paths_answering, paths_of, routes_alone
 from truepose.web.middleware import priority
 from truepose.web.middleware.priority import ConcurrencyLimits
@@ -69,7 +70,7 @@ async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, askin
 
     stopped = [(await client.post(path)).status_code for path in (PAUSE, PAUSE)]
     health = (await client.get("/health")).status_code
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while len(refused := [task for task in flood if task.done()]) < 400 - 16:
             await asyncio.sleep(0.01)
 

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 
+from tests.helpers.machine import HANGS_S
 from truepose.app import startup
 
 
@@ -19,7 +20,7 @@ async def test_a_companion_that_ends_by_a_fault_is_told_and_begun_again(monkeypa
 
     async with contextlib.AsyncExitStack() as stack:
         startup.beside(stack, follow, "storage guard")
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(HANGS_S):
             await second.wait()
 
     assert begun == [0, 1]

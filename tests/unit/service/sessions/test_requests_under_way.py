@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from truepose.sessions.requests import RequestsUnderWay
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.records import RequestKey
@@ -46,7 +47,7 @@ async def test_work_for_which_nobody_has_waited_for_a_while_ends():
 
     await left(request)
 
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await work.ended.wait()
     assert not work.go_on.is_set()
 
@@ -75,7 +76,7 @@ async def test_work_goes_on_while_one_of_two_waits():
 async def test_after_the_end_the_same_request_begins_anew():
     work, requests = Work(), RequestsUnderWay(kept_s=0.0)
     await left(await asked(requests, work))
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await work.ended.wait()
 
     again = await asked(requests, work)
@@ -89,7 +90,7 @@ async def test_without_a_limit_the_work_goes_on_for_nobody():
     await left(await asked(requests, work))
     work.go_on.set()
 
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await work.ended.wait()
     assert work.begun == 1
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import service as ballbar
@@ -73,7 +74,7 @@ async def test_whoever_starts_a_session_waits_for_its_question_and_looks_at_news
     runner.tell(prompt="Is the cell clear?")  # and the state once the journal has it
     await asyncio.sleep(0)
     runner.tell(state=SessionState.AWAITING_CONFIRMATION)
-    await asyncio.wait_for(task, 1.0)
+    await asyncio.wait_for(task, HANGS_S)
 
     assert runner.looks <= 3
 
@@ -85,7 +86,7 @@ async def test_a_question_that_cannot_be_put_on_record_is_no_start():
     runner.tell(cause_of_trouble=RecordRefusedError("disk full"))
 
     with pytest.raises(RecordRefusedError, match="was not started"):
-        await asyncio.wait_for(task, 1.0)
+        await asyncio.wait_for(task, HANGS_S)
 
 
 async def test_nobody_waits_for_a_session_that_is_over():
@@ -94,7 +95,7 @@ async def test_nobody_waits_for_a_session_that_is_over():
 
     kind.now = None
     kind.watching.tell()
-    await asyncio.wait_for(task, 1.0)
+    await asyncio.wait_for(task, HANGS_S)
 
     assert task.done()
 

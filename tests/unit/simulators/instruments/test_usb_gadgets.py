@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
+from tests.helpers.machine import HANGS_S
 from truepose_drivers.ballbar_hid.protocol import (
     Rate,
     decode_rate,
@@ -93,7 +94,7 @@ async def test_the_hid_bar_sends_by_itself_from_the_start(bar):
     gadget = HidBallbarGadget(electronics(bar))
     gadget.attach()
 
-    async with asyncio.timeout(60.0):
+    async with asyncio.timeout(HANGS_S):
         await gadget.ready()
 
     reading = decode_reading(gadget.take_packet())
@@ -108,7 +109,7 @@ async def test_the_hid_bar_stops_and_starts_when_told(bar):
         async with asyncio.timeout(0.05):
             await gadget.ready()
     gadget.control(SET_RATE, encode_rate(Rate(500, running=True)))
-    async with asyncio.timeout(60.0):
+    async with asyncio.timeout(HANGS_S):
         await gadget.ready()
 
     assert decode_rate(ask(gadget, 0xA1, 1, 0x0303)) == Rate(500, running=True)
@@ -166,7 +167,7 @@ async def said(gadget: UsbItnGadget, command: bytes) -> bytes:
     gadget.control(Setup(0x40, 3, 0, 0, len(command)), command)
     text = b""
     while not text.endswith(b"\r"):
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(HANGS_S):
             await gadget.ready()
         packet = gadget.take_packet()
         assert len(packet) <= 8

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
@@ -65,7 +66,7 @@ async def end_attached(client):
     created = await client.post(BALLBAR_SESSIONS, json=WANTED)
     tablet = Tablet(client, session_id=created.json()["id"])
     await tablet.press("start")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while not any(line["kind"] == "shown" for line in await tablet.ledger()):
             await asyncio.sleep(0.005)
         await tablet.press("abort")
@@ -178,6 +179,6 @@ async def test_nobody_is_asked_where_no_session_left_it_attached(client, bench, 
 
 
 async def ended(client, path):
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(HANGS_S):
         while (await client.get(path)).json()["state"] not in {"aborted", "finished"}:
             await asyncio.sleep(0.005)

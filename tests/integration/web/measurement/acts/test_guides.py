@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import session_request
 from truepose.analysis.job_queue.accuracy_tasks import ExpectedAccuracy, SessionForecast
@@ -35,7 +36,7 @@ async def guide(client, path):
 
 
 async def until(client, path, holds):
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while not holds(found := await guide(client, path)):
             await asyncio.sleep(0.005)
         return found

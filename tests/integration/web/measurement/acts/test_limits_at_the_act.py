@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
@@ -75,7 +76,7 @@ async def test_an_interrupted_session_is_refused_while_the_limits_are_tight_and_
         bench.robot.gate.clear()
         await command(client, f"{SESSIONS}/1", "start")
         await command(client, f"{SESSIONS}/1", "confirm")
-        await asyncio.wait_for(bench.robot.sent.wait(), 10)
+        await asyncio.wait_for(bench.robot.sent.wait(), HANGS_S)
     bench.robot.gate.set()
     moves = bench.robot.moves
     service.write(TIGHT)

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
@@ -80,7 +81,7 @@ async def test_everybody_may_halt_and_only_those_announced_go_on(client, bench, 
     await started(client)
     bench.robot.gate.clear()
     await act(client, "confirm", "Ada Lovelace")
-    await asyncio.wait_for(bench.robot.sent.wait(), 10)
+    await asyncio.wait_for(bench.robot.sent.wait(), HANGS_S)
 
     paused = await act(client, "pause", "Mallory")
     bench.robot.gate.set()

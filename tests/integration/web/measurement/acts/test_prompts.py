@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.ballbar_bench import WANTED, Tablet, with_ballbar
@@ -33,7 +34,7 @@ async def paused(client, bench, until, first):
     """The session after a pause during its first motion, with the question of the pause."""
     bench.robot.gate.clear()
     await answer(client, "confirm", first["prompt"]["id"])
-    await asyncio.wait_for(bench.robot.sent.wait(), 10)
+    await asyncio.wait_for(bench.robot.sent.wait(), HANGS_S)
     await command(client, PATH, "pause")
     bench.robot.gate.set()
     return await until(PATH, "state", "paused")

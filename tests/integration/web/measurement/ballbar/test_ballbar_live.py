@@ -8,6 +8,7 @@ import time
 import httpx
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
@@ -148,7 +149,7 @@ async def test_tablets_that_follow_are_counted(client, tablet):
     with contextlib.suppress(asyncio.CancelledError):
         await second
     assert seen[-1][1]["watching"] == 2
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(HANGS_S):
         while (await tablet.see())["watching"] > 0:
             await asyncio.sleep(0.05)
 

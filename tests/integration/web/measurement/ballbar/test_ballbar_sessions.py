@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
@@ -23,14 +24,14 @@ async def tablet(client):
 
 
 async def until_step(tablet, step_id):
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while (session := await tablet.see())["step"]["id"] != step_id:
             await asyncio.sleep(0.005)
     return session
 
 
 async def until_step_after(tablet, step_id):
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while (await tablet.see())["step"]["id"] == step_id:
             await asyncio.sleep(0.005)
 
@@ -224,7 +225,7 @@ async def test_after_a_restart_the_same_step_is_shown_and_nothing_moves_before_a
     again = Bench()
     async with served(settings, again.registry()) as client:
         tablet = Tablet(client)
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(HANGS_S):
             while (after := await tablet.see())["state"] != "awaiting_confirmation":
                 await asyncio.sleep(0.005)
         repeated = await tablet.press("start", key="k1")
@@ -314,7 +315,7 @@ async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, clie
     leaving = LeavingClient(
         app, SESSIONS, b'{"kind": "ballbar", "name": "six legs", "poses": 6}', "application/json"
     )
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         await planning.begun.wait()
 
     await leaving.leave()

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
@@ -63,7 +64,7 @@ async def questioned(client, bench):
     await client.post("/api/v1/sessions", json=session_request())
     await command(client, SESSION, "start")
     await command(client, SESSION, "confirm")
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while "390003" not in str((found := (await client.get(SESSION)).json())["prompt"]):
             await asyncio.sleep(0.02)
     return found
@@ -136,7 +137,7 @@ async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(c
     assert created.status_code == 201, created.text
     tablet = Tablet(client)
     await tablet.press("start")
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(HANGS_S):
         while (seen := await tablet.see())["ballbar_in_question"] is None:
             await asyncio.sleep(0.02)
     assert seen["ballbar_in_question"]["expected_serial_number"] == "B-7"

@@ -5,6 +5,7 @@ import time
 import httpx
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import prompt_id
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.listening import listening
@@ -30,7 +31,7 @@ def waiting(settings, bench):
             client.post(f"/api/v1/devices/{device}/connect").raise_for_status()
         client.post("/api/v1/sessions", json=session_request()).raise_for_status()
         commanded(client, "start").raise_for_status()
-        end_s = time.monotonic() + 20.0
+        end_s = time.monotonic() + HANGS_S
         while client.get("/api/v1/sessions/1").json()["state"] != "awaiting_confirmation":
             assert time.monotonic() < end_s
         yield client

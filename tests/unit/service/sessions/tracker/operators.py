@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import FakeCell
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import SessionPlan, SessionState
@@ -39,7 +40,7 @@ class PatientOperator:
 
     async def attend_from_the_start(self, runner: TrackerRunner) -> SessionState:
         """Run a session and answer what it asks."""
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HANGS_S):
             return await self.attend(runner, asyncio.create_task(runner.run()))
 
     async def _answer(self, runner: TrackerRunner) -> None:

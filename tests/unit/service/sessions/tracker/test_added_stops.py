@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain import asking
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan, make_stop
 from tests.unit.service.sessions.tracker.operators import PatientOperator, until
 from truepose.domain.session import SessionState
@@ -40,7 +41,7 @@ class Session:
         self.running = asyncio.create_task(self.runner.run())
 
     async def attended(self):
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HANGS_S):
             return await self.operator.attend(self.runner, self.running)
 
     def measured(self):

@@ -8,6 +8,7 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import NESTS, FakeCell, make_plan
 from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.ledger import EntryKind
@@ -132,7 +133,7 @@ async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_w
     run = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
     await asking.confirm(runner, "Eva")
-    await asyncio.wait_for(cell.journal.refused.wait(), 10)
+    await asyncio.wait_for(cell.journal.refused.wait(), HANGS_S)
     cell.journal.make_room()
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION or len(cell.robot.moves) > 4)
     run.cancel()

@@ -6,6 +6,7 @@ import math
 import pytest
 
 from tests.helpers.domain.asking import question
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.ballbar.fakes import Bench, turns
 from tests.unit.service.sessions.ballbar.sessions import joints, make_plan
 from truepose.domain.ledger import EntryKind
@@ -211,7 +212,7 @@ async def test_the_button_does_not_wait_for_a_session_that_is_no_longer_run():
         await bench.kill()
 
         with pytest.raises(NotNowError):
-            await asyncio.wait_for(pressed, 10.0)
+            await asyncio.wait_for(pressed, HANGS_S)
         assert bench.kept("tool/initialise") == []
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
+from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sessions.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
@@ -61,7 +62,7 @@ class Run:
 
 
 async def refused(run):
-    await asyncio.wait_for(run.cell.journal.refused.wait(), 10)
+    await asyncio.wait_for(run.cell.journal.refused.wait(), HANGS_S)
     await asyncio.sleep(0)
 
 
