@@ -7,7 +7,7 @@ Readings are positions, lengths or contacts, and each kind answers the same few 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import date
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Final, Literal, TypeAlias
 
 import numpy as np
 
@@ -157,6 +157,13 @@ class ContactReadings(Table):
 
 
 Readings: TypeAlias = PointReadings | LegReadings | ContactReadings
+IdentifyingTable: TypeAlias = Literal["calibration", "legs", "contacts"]
+# Of each, the table that judges a model of it; in the order in which they count.
+_JUDGES: Final[Mapping[IdentifyingTable, str]] = {
+    "calibration": "validation",
+    "legs": "validation_legs",
+    "contacts": "validation_contacts",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,17 +261,26 @@ class Campaign:
     ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
 
     @property
+    def identified_from(self) -> IdentifyingTable | None:
+        """The table that the robot is identified from; one without rows does not count, None where none does.
+
+        Positions first: they alone see where the arm stands in the world.
+        """
+        return next((table for table in _JUDGES if getattr(self, table)), None)
+
+    @property
     def readings(self) -> Readings | None:
         """What the robot is identified from: positions where there are any, else legs, else contacts."""
-        # Positions first: they alone see where the arm stands in the world.
-        return self.calibration or self.legs or self.contacts
+        table = self.identified_from
+        found: Readings | None = None if table is None else getattr(self, table)
+        return found
 
     @property
     def held_out(self) -> Readings | None:
         """What judges a model of these readings: others of the same kind; None where there are none."""
-        if self.calibration is not None:
-            return self.validation or None
-        return (self.validation_contacts if self.legs is None else self.validation_legs) or None
+        table = self.identified_from
+        found: Readings | None = None if table is None else getattr(self, _JUDGES[table])
+        return found or None
 
     @property
     def scatter_mm(self) -> float:
@@ -279,11 +295,11 @@ class Campaign:
         rows : ndarray of int, shape (m,)
             Of `readings`.
         """
-        if self.calibration is not None:
-            return replace(self, calibration=self.calibration.taken(rows))
-        if self.legs is not None:
-            return replace(self, legs=self.legs.taken(rows))
-        return self if self.contacts is None else replace(self, contacts=self.contacts.taken(rows))
+        table, readings = self.identified_from, self.readings
+        if table is None or readings is None:
+            return self
+        some: dict[str, Any] = {table: readings.taken(rows)}
+        return replace(self, **some)
 
 
 Values: TypeAlias = tuple[float | None, ...]  # of one reading, a column each; None: it was not read

@@ -145,14 +145,14 @@ def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
 def _first_s(campaign: Campaign, stops: Stops) -> float:
     """Return the time of the first reading, fixed nests included, 0 where no times are known."""
     # An instrument drifts from its first reading on, which may be of a fixed nest.
-    fixed = campaign.reference if campaign.calibration is not None else None
+    fixed = campaign.reference if campaign.identified_from == "calibration" else None
     columns = (stops.time_s, None if fixed is None else fixed.time_s)
     known = [column[np.isfinite(column)] for column in columns if column is not None]
     return min((float(column.min()) for column in known if column.size), default=0.0)
 
 
 def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
-    if campaign.calibration is not None and campaign.base_nominal is None and BASE not in effects:
+    if campaign.identified_from == "calibration" and campaign.base_nominal is None and BASE not in effects:
         raise ConfigurationError("The campaign does not know the base: add `base` to the effects.")
     unknown = unknown_nests(campaign)
     if unknown and TOOL not in effects:

@@ -16,7 +16,7 @@ and where k sides give more than chance at 0.1 % allows, the certificates are wi
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
-from truepose.domain.campaign import Campaign, FixtureLengths, Stops
+from truepose.domain.campaign import Campaign, FixtureLengths, PointReadings, Stops
 from truepose.domain.contacts import SEEN_ALONG_AXES
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.frames.tool_certificate import NAME as TOOL_CERTIFICATE
@@ -49,9 +49,10 @@ def unknown_nests(campaign: Campaign) -> tuple[int, ...]:
 
 def has_orientations(campaign: Campaign) -> bool:
     """Whether the orientation of the tool shows in what was measured."""
-    if campaign.calibration is None:
-        return any(target.kind in SEEN_ALONG_AXES for target in campaign.targets)
-    return campaign.calibration.quaternion is not None
+    readings = campaign.readings
+    if isinstance(readings, PointReadings):
+        return readings.quaternion is not None
+    return any(target.kind in SEEN_ALONG_AXES for target in campaign.targets)
 
 
 def known_placement(campaign: Campaign) -> PriorPlacement:
@@ -73,7 +74,7 @@ def outline(campaign: Campaign) -> Setting:
         has_orientations=has_orientations(campaign),
         torque_source=torque_source(campaign),
         largest_torque_n_mm=np.zeros(campaign.robot.n_joints),
-        lengths=campaign.calibration is None,
+        lengths=campaign.identified_from != "calibration",
         tool_rotation_u_rad=campaign.tool_rotation_uncertainty_rad,
     )
 
@@ -104,7 +105,7 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
     elif source == "masses":
         chain = nominal_chain(campaign.robot, stops.joints_rad)
         largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
-    legs = campaign.legs if campaign.calibration is None else None
+    legs = campaign.legs if campaign.identified_from == "legs" else None
     return known._replace(
         largest_torque_n_mm=largest,
         certified_nests=_certified_nests(campaign),

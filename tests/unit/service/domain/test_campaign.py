@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
+from truepose.identification.problem.problem_setup import outline
 
 POINTS, LEGS = nominal_campaign(12), leg_campaign(12)
 BOTH = replace(POINTS, legs=LEGS.legs)
@@ -30,10 +31,30 @@ def test_a_model_is_judged_by_readings_of_the_kind_that_made_it(campaign, held_o
     assert campaign.held_out is held_out
 
 
-def test_an_empty_table_judges_nothing():
-    nothing = POINTS.calibration.taken(np.zeros(0, dtype=np.int64))
+NOTHING = POINTS.calibration.taken(np.zeros(0, dtype=np.int64))
 
-    assert replace(POINTS, validation=nothing).held_out is None
+
+def test_an_empty_table_judges_nothing():
+    assert replace(POINTS, validation=NOTHING).held_out is None
+
+
+def test_an_empty_table_beside_others_counts_for_none_of_the_questions():
+    campaign = replace(LEGS, calibration=NOTHING, validation=POINTS.calibration, validation_legs=LEGS.legs)
+
+    assert campaign.identified_from == "legs"
+    assert campaign.readings is LEGS.legs
+    assert campaign.held_out is LEGS.legs
+    assert (
+        campaign.of_rows(np.array([3, 1])).readings.length_mm.tolist() == LEGS.legs.length_mm[[3, 1]].tolist()
+    )
+    assert outline(campaign).lengths
+
+
+def test_an_empty_campaign_is_identified_from_nothing():
+    campaign = replace(POINTS, calibration=NOTHING)
+
+    assert (campaign.identified_from, campaign.readings, campaign.held_out) == (None, None, None)
+    assert campaign.of_rows(np.zeros(0, dtype=np.int64)) is campaign
 
 
 @pytest.mark.parametrize("campaign", [POINTS, LEGS])
