@@ -18,6 +18,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import Leg, PoseForecast
+from truepose.kinematics.frames import directions
 from truepose.kinematics.poses import Pose, points_gradient
 
 
@@ -70,20 +71,19 @@ def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLe
     legs : sequence of (cup, nest)
         n of them, numbers from 1.
     pose : Pose
-        No nest of a leg may lie in its cup: a leg of no length has no direction.
+        Of the last frame. A leg whose nest lies in its cup has no direction: no motion changes its length.
     """
     # Legs that share a cup or a nest share its error: the covariance is one of all legs, not a variance each.
     cup, nest = np.array(legs).T - 1
     apart = pose.points(fixtures.nests_mm)[nest] - fixtures.cups_mm[cup]
-    length = np.linalg.norm(apart, axis=1)
-    unit = apart / length[:, None]
+    unit, length = directions(apart)
     gradient = np.einsum("ni,nij->nj", unit, points_gradient(pose, fixtures.nests_mm)[nest])
     added = np.zeros((len(legs), len(legs)))
     if fixtures.cups_covariance_mm2 is not None:
         added += _through(unit, cup, fixtures.cups_covariance_mm2)
     if fixtures.nests_covariance_mm2 is not None:
         added += _through(unit @ pose.rotation, nest, fixtures.nests_covariance_mm2)
-    return LinearLegs(np.asarray(length), gradient, added)
+    return LinearLegs(length, gradient, added)
 
 
 def _through(unit: FloatArray, point: IntArray, covariance: FloatArray) -> FloatArray:

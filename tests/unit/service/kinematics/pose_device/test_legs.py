@@ -35,6 +35,17 @@ def test_exact_fixtures_add_no_uncertainty():
     assert not linear.fixtures_covariance_mm2.any()
 
 
+def test_a_nest_in_its_cup_has_a_leg_of_no_length_and_spoils_no_other():
+    pose = Pose(np.eye(3), CUPS[0] - NESTS[0])
+    uncertain = Fixtures(CUPS, NESTS, 1e-4 * np.eye(9), 1e-4 * np.eye(9))
+
+    linear = linear_legs(uncertain, ((1, 1), (2, 1)), pose)
+
+    assert linear.length_mm == pytest.approx([0.0, np.linalg.norm(CUPS[1] - CUPS[0])])
+    assert not linear.gradient[0].any()
+    assert linear.fixtures_covariance_mm2 == pytest.approx(np.diag([0.0, 2e-4]))
+
+
 def test_the_stated_covariance_is_how_lengths_scatter_when_pose_and_fixtures_do():
     rng = np.random.default_rng(3)
     pose = MEASURABLE[4].pose
