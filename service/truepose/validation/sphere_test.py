@@ -172,8 +172,8 @@ def sphere_test(campaign: Campaign, models: Mapping[str, Model] | None = None) -
 
 def _legs(campaign: Campaign) -> LegReadings:
     """Return the lengths that the test is made of: those to validate with, where there are any."""
-    legs = campaign.legs if campaign.validation_legs is None else campaign.validation_legs
-    if legs is None or not len(legs):
+    legs = campaign.validation_legs or campaign.legs
+    if not legs:
         raise ConfigurationError("A sphere test takes lengths between a ball and the tool; there is none.")
     return legs
 

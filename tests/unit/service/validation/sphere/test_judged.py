@@ -210,6 +210,13 @@ def test_held_out_lengths_are_the_test_where_a_campaign_has_both(stops):
     assert len(only(both).config) == 20
 
 
+def test_a_table_of_held_out_lengths_without_rows_is_none(stops):
+    campaign = measured(stops)
+    nothing = campaign.legs.taken(np.zeros(0, dtype=np.int64))
+
+    assert len(only(replace(campaign, validation_legs=nothing)).config) == len(campaign.legs)
+
+
 def test_stops_that_are_all_at_one_place_show_no_centre(stops):
     joints, nest = stops
     still = np.repeat(joints[:1], 8, axis=0)
