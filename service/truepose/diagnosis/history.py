@@ -148,9 +148,6 @@ def _amplitude(finding: Finding) -> Amplitude:
 
 LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
-_DAY: Final = len("2026-03-03")
-_MINUTE: Final = len("2026-03-03T10:15")
-
 
 @dataclass(frozen=True, slots=True)
 class DatedDiagnosis:
@@ -215,8 +212,6 @@ class Change:
     p_value : float or None
         Corrected for all tests of the comparison; None where an uncertainty is not known.
     significant : bool
-    sentence : str
-        In English.
     """
 
     from_id: int
@@ -225,7 +220,6 @@ class Change:
     standard_uncertainty: float
     p_value: float | None
     significant: bool
-    sentence: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,19 +340,21 @@ def _change(earlier: CauseObservation, later: CauseObservation) -> Change:
     uncertainty = math.hypot(earlier.standard_uncertainty or 0.0, later.standard_uncertainty or 0.0)
     known = math.isfinite(difference) and math.isfinite(uncertainty) and uncertainty > 0.0
     p_value = math.erfc(abs(difference) / uncertainty / math.sqrt(2.0)) if known else None
-    return Change(earlier.diagnosis_id, later.diagnosis_id, difference, uncertainty, p_value, False, "")
+    return Change(
+        earlier.diagnosis_id, later.diagnosis_id, difference, uncertainty, p_value, significant=False
+    )
 
 
 def _corrected(causes: Sequence[CauseOverTime]) -> tuple[CauseOverTime, ...]:
-    """Return the causes with corrected p values, what is significant, and the sentences that say it."""
+    """Return the causes with corrected p values, and what is significant."""
     tests = [change.p_value for cause in causes for change in _changes(cause)]
     # P values carry no names: the changes are gone through below in the very order in which they were tested.
     corrected = iter(holm(tests))
     return tuple(
         replace(
             cause,
-            changes=tuple(_judged(cause, change, next(corrected)) for change in cause.changes),
-            overall=None if cause.overall is None else _judged(cause, cause.overall, next(corrected)),
+            changes=tuple(_judged(change, next(corrected)) for change in cause.changes),
+            overall=None if cause.overall is None else _judged(cause.overall, next(corrected)),
         )
         for cause in causes
     )
@@ -371,70 +367,6 @@ def _changes(cause: CauseOverTime) -> Iterator[Change]:
         yield cause.overall
 
 
-def _judged(cause: CauseOverTime, change: Change, p_value: float | None) -> Change:
-    """Return a change with its corrected p value and its sentence."""
-    significant = p_value is not None and p_value < LEVEL
-    judged = replace(change, p_value=p_value, significant=significant)
-    return replace(judged, sentence=_sentence(cause, judged))
-
-
-def _sentence(cause: CauseOverTime, change: Change) -> str:
-    """Return what changed, by how much, between when and when, and whether that is beyond chance."""
-    earlier = next(sign for sign in cause.signs if sign.diagnosis_id == change.from_id)
-    later = next(sign for sign in cause.signs if sign.diagnosis_id == change.to_id)
-    what = _words(cause)
-    unit = "" if cause.unit == "1" else f" {cause.unit}"
-    size = f"{_number(abs(change.difference), change.standard_uncertainty)}{unit}"
-    return (
-        f"{what[0].upper()}{what[1:]} {_verb(earlier, later)} by {size} between "
-        f"{' and '.join(_moments(earlier, later))}: {_verdict(change)}."
-    )
-
-
-def _words(cause: CauseOverTime) -> str:
-    """Return a cause in words."""
-    name = cause.effect.replace("_", " ")
-    match cause.variant:
-        case Variant("order", order):
-            name += f" of order {order:g}"
-        case Variant("source joint", joint):
-            name += f" from joint {joint:g}"
-    return f"{name} of {cause.subject}"
-
-
-def _verb(earlier: CauseObservation, later: CauseObservation) -> str:
-    """Return what an amplitude did."""
-    before, after = earlier.amplitude or 0.0, later.amplitude or 0.0
-    # A gain from -2 to +1 neither grew nor fell.
-    if before * after < 0.0:
-        return "turned round"
-    return "grew" if abs(after) >= abs(before) else "fell"
-
-
-def _verdict(change: Change) -> str:
-    """Return whether a change is beyond chance, with its p value."""
-    if change.p_value is None:
-        return "not tested, since an uncertainty is not known"
-    p = "p < 0.0001" if change.p_value < 1e-4 else f"p = {change.p_value:.2g}"
-    return f"significant ({p})" if change.significant else f"within what noise explains ({p})"
-
-
-def _moments(earlier: CauseObservation, later: CauseObservation) -> tuple[str, str]:
-    """Return both times, to the minute where the day is the same."""
-    first, last = earlier.measured_at or "", later.measured_at or ""
-    length = _MINUTE if first[:_DAY] == last[:_DAY] else _DAY
-    return first[:length].replace("T", " "), last[:length].replace("T", " ")
-
-
-def _number(value: float, u: float) -> str:
-    """Return value and uncertainty to two digits of the uncertainty."""
-    if not (math.isfinite(u) and u > 0.0):
-        return f"{value:.3g}"
-    # Rounded first: 0.0996 is 0.10 to two digits, one place fewer than its exponent says.
-    decimals = 1 - math.floor(math.log10(float(f"{u:.1e}")))
-    if 0 <= decimals <= 5:
-        return f"{value:.{decimals}f} ± {u:.{decimals}f}"
-    # As one power of ten of both, so that value and uncertainty can be compared at a glance.
-    exponent = math.floor(math.log10(max(value, u)))
-    scale, digits = 10.0**exponent, max(0, decimals + exponent)
-    return f"({value / scale:.{digits}f} ± {u / scale:.{digits}f})e{exponent}"
+def _judged(change: Change, p_value: float | None) -> Change:
+    """Return a change with its corrected p value."""
+    return replace(change, p_value=p_value, significant=p_value is not None and p_value < LEVEL)

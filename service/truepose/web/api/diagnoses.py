@@ -8,7 +8,7 @@ from pydantic import Field
 
 from truepose.analysis.comparison import compare_over_time, dated
 from truepose.diagnosis.alarms import Alarm, NewCause, alarms
-from truepose.diagnosis.history import CauseOverTime, Sighting
+from truepose.diagnosis.history import CauseOverTime, Change, Sighting
 from truepose.domain.diagnosis import Confidence, Verdict
 from truepose.effects.registry import chosen_effects
 from truepose.exchange.results.diagnosis import DiagnosisDocument
@@ -202,9 +202,21 @@ def comparison_reply(
         robot=robot,
         diagnoses=[diagnosis_summary_reply(record) for record in records],
         undated_ids=[record.id for record in records if record.measured_at is None],
-        causes=[CauseReply.of(cause) for cause in causes],
+        causes=[_cause(cause) for cause in causes],
         alarms=[_alarm(alarm) for alarm in alarms(causes, dated(records))],
     )
+
+
+def _cause(cause: CauseOverTime) -> CauseReply:
+    changes = [_change(cause, change) for change in cause.changes]
+    overall = None if cause.overall is None else _change(cause, cause.overall)
+    return CauseReply.of(cause, changes=changes, overall=overall)
+
+
+def _change(cause: CauseOverTime, change: Change) -> ChangeReply:
+    from truepose.reports.history_sentences import change_words
+
+    return ChangeReply.of(change, sentence=change_words(cause, change, IN_ENGLISH))
 
 
 def _alarm(alarm: Alarm) -> AlarmReply:

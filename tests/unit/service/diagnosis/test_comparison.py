@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.diagnosis.history import DatedDiagnosis, Sighting, Variant, compare
-from truepose.domain.diagnosis import Confidence, Detail, RuledOut
+from truepose.domain.diagnosis import Detail, RuledOut
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 
@@ -21,7 +21,7 @@ def backlash(amplitude, u=0.003, **changes):
     return make_finding(amplitude=amplitude, amplitude_standard_uncertainty=u, **changes)
 
 
-def test_a_backlash_that_grew_is_said_with_its_uncertainty_and_days():
+def test_a_backlash_that_grew_beyond_chance_has_changed():
     (cause,) = compare([
         dated(1, SPRING, backlash(0.021, 0.0024)),
         dated(2, AUTUMN, backlash(0.033, 0.0032)),
@@ -33,18 +33,13 @@ def test_a_backlash_that_grew_is_said_with_its_uncertainty_and_days():
     assert change.standard_uncertainty == pytest.approx(0.004)
     # two-sided tail of a standard normal beyond 3, any table
     assert change.p_value == pytest.approx(0.0026998, rel=1e-4)
-    assert change.sentence == (
-        "Backlash of joint 3 grew by 0.0120 ± 0.0040 deg between 2026-03-03 and 2026-10-02: "
-        "significant (p = 0.0027)."
-    )
+    assert change.significant
 
 
 def test_a_difference_that_noise_explains_is_no_change():
     (cause,) = compare([dated(1, SPRING, backlash(0.021)), dated(2, AUTUMN, backlash(0.018))])
 
     assert not cause.changes[0].significant
-    assert "fell by 0.0030 ± 0.0042 deg" in cause.changes[0].sentence
-    assert "within what noise explains" in cause.changes[0].sentence
 
 
 def test_a_small_finding_is_followed_as_any_other():
@@ -172,7 +167,6 @@ def test_couplings_are_compared_by_the_joint_that_drags():
 
     assert [cause.variant for cause in causes] == [Variant("source joint", 5.0), Variant("source joint", 4.0)]
     assert causes[0].changes[0].difference == pytest.approx(0.05)
-    assert causes[0].changes[0].sentence.startswith("Joint coupling from joint 5 of joint 6 grew by 0.0500")
 
 
 def test_a_joint_is_found_again_among_several_that_share_a_cause():
@@ -226,29 +220,6 @@ def test_without_an_uncertainty_nothing_is_tested(unknown):
     ])
 
     assert (cause.changes[0].p_value, cause.changes[0].significant) == (None, False)
-    assert "not tested" in cause.changes[0].sentence
-
-
-def test_a_gain_that_changed_its_sign_has_turned_round():
-    gain = make_finding(effect="joint_gain", subject="joint 2", unit="1", amplitude=2e-4)
-    small = {"amplitude_standard_uncertainty": 2e-5, "confidence": Confidence.CERTAIN}
-
-    (cause,) = compare([
-        dated(1, SPRING, replace(gain, **small)),
-        dated(2, SPRING, replace(gain, amplitude=-1e-4, **small)),
-    ])
-
-    assert cause.changes[0].sentence.startswith(
-        "Joint gain of joint 2 turned round by (3.00 ± 0.28)e-4 between"
-    )
-
-
-def test_diagnoses_of_one_day_are_told_apart_by_the_minute():
-    morning, noon = "2026-03-03T08:15:30.000+00:00", "2026-03-03T12:00:01.000+00:00"
-
-    (cause,) = compare([dated(1, morning, backlash(0.02)), dated(2, noon, backlash(0.02))])
-
-    assert "between 2026-03-03 08:15 and 2026-03-03 12:00" in cause.changes[0].sentence
 
 
 def test_nothing_found_is_nothing_to_compare():
