@@ -13,6 +13,7 @@ import dataclasses
 import io
 import json
 import math
+import tokenize
 import types
 from collections.abc import Callable, Mapping
 from datetime import date
@@ -73,13 +74,19 @@ def _not_finite(value: float) -> str | None:
     return None if math.isnan(value) else str(value)
 
 
+# What reading a document raises that does not have the form of its noun.
+_UNLIKE: Final = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+# What NumPy raises besides, of a block that is none: it reads the header as Python, and takes memory by it.
+_NO_BLOCKS: Final = (EOFError, MemoryError, SyntaxError, tokenize.TokenError)
+
+
 def from_document(kind: type[T], document: Any) -> T:
     """Return the dataclass `kind` that `document` holds; raises DamagedDatabaseError where they differ."""
     try:
         # Whatever goes wrong here is a stored document that does not have the form of its noun: damage, or
         # another version's record. A traceback would be called a fault of the program, and end the session.
         return cast(T, _decode(kind, document))
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+    except _UNLIKE as error:
         raise DamagedDatabaseError(
             f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
         ) from error
@@ -147,6 +154,9 @@ def text_from(document: Any) -> Text:
     return _message(document) if isinstance(document, dict) else cast(str, document)
 
 
+_INFINITE: Final = ("inf", "-inf")  # as `_not_finite` writes them
+
+
 def _message(document: Any) -> Message:
     return Message(document["key"], tuple((name, _value(value)) for name, value in document["values"]))
 
@@ -156,6 +166,9 @@ def _value(document: Any) -> Value:
         return tuple(map(_value, document))
     if document is None:
         return math.nan
+    # Said in words, a text of these letters and the number are one.
+    if document in _INFINITE:
+        return float(document)
     return _message(document) if isinstance(document, dict) else cast(Value, document)
 
 
@@ -208,7 +221,7 @@ def unpack(kind: type[T], data: bytes) -> T:
     try:
         blocks = _blocks(data)
         document = json.loads(blocks[0].tobytes(), object_hook=lambda entry: _entry(entry, blocks))
-    except (EOFError, LookupError, ValueError) as error:
+    except (*_UNLIKE, *_NO_BLOCKS) as error:
         raise DamagedDatabaseError(
             f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
         ) from error

@@ -1,10 +1,15 @@
 """Campaigns survive being packed: every digit of every column, and nothing that was not there."""
 
+import contextlib
 import dataclasses
+import io
+import json
 from datetime import date
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.domain.campaign import Campaign, FixedNestReadings
@@ -67,6 +72,27 @@ def test_the_comparison_of_this_file_sees_one_digit():
 
 def test_the_same_campaign_gives_the_same_bytes():
     assert pack(make_campaign()) == pack(make_campaign())
+
+
+@pytest.mark.parametrize(
+    "document", [[1], 7, {"fields": {"column": "one"}}, {"fields": {"column": [1]}}, {"column": None}]
+)
+def test_a_document_that_is_none_is_damaged(document):
+    block = io.BytesIO()
+    np.save(block, np.frombuffer(json.dumps(document).encode(), np.uint8))
+
+    with pytest.raises(DamagedDatabaseError, match="A stored Campaign cannot be read"):
+        unpack(Campaign, block.getvalue())
+
+
+@pytest.mark.filterwarnings("ignore:Reading `.npy` or `.npz` file required additional header")
+@given(place=st.integers(0), byte=st.integers(0, 255))
+def test_whatever_byte_is_wrong_it_is_damaged_or_read(place, byte):
+    data = bytearray(pack(make_campaign()))
+    data[place % len(data)] = byte
+
+    with contextlib.suppress(DamagedDatabaseError):
+        unpack(Campaign, bytes(data))
 
 
 def test_what_is_packed_is_no_zip_and_a_zip_is_not_packed():

@@ -43,6 +43,8 @@ def through_json(value):
                 settling=(message("span.seconds", seconds=5),),
                 links=(2, 3),
             ),
+            message("span.seconds", seconds=math.inf),
+            message("span.seconds", seconds=-math.inf),
             "Theirs.",
         ),
     ],
