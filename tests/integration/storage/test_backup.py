@@ -21,6 +21,7 @@ from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
+from truepose.storage.integrity.database_identity import IdentityFile
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -312,6 +313,12 @@ def test_of_drafts_that_the_disk_refuses_no_others_lie_beside_the_copy(left, dra
 
     assert verify_left(copy).findings == ()
     assert [file.name for file in copy.parent.iterdir()] == [copy.name]
+
+
+def test_a_database_that_was_transferred_is_sealed_with_its_newest_link(left, tmp_path):
+    head, _ = transfer(f"sqlite:///{left}", f"sqlite:///{tmp_path}/other.sqlite3")
+
+    assert IdentityFile(tmp_path / "other.sqlite3").left().link == head.links > 0
 
 
 def test_drafts_that_a_transfer_cannot_bring_are_said_and_the_records_are_there(

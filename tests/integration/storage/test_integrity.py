@@ -290,6 +290,17 @@ async def test_a_damaged_page_is_damage(left, database_url):
     assert verify_left(left).findings
 
 
+async def test_a_header_that_is_spoiled_while_the_service_runs_is_damage(database):
+    await fill(database)
+    await database.on_writer(lambda plain: plain.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone())
+    with database.file.open("rb+") as file:
+        file.write(b"\xff" * 100)
+
+    with pytest.raises(DamagedDatabaseError, match="not a database"):
+        await ReadingRepository(database).get(3)
+    assert database.condition.damaged
+
+
 def test_a_database_that_is_not_there_cannot_be_verified(tmp_path):
     with pytest.raises(DatabaseAddressError, match="no database"):
         verify_left(tmp_path / "nothing.sqlite3")

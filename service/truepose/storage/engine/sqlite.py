@@ -14,7 +14,6 @@ from typing import Any, Final
 
 from sqlalchemy import Connection
 from sqlalchemy.engine import Transaction
-from sqlalchemy.exc import DatabaseError
 
 from truepose.storage.engine.address import database_file
 from truepose.storage.engine.backend import (
@@ -28,16 +27,16 @@ from truepose.storage.engine.files import make_alone, opened_alone
 from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.schema import bring_up_to_date
 from truepose.storage.engine.sqlite_connections import (
-    LIBRARY,
     REFUSED,
     reading_engine,
+    refused_at_opening,
     says_full,
     translated,
     writing_engine,
 )
 from truepose.storage.engine.sqlite_file import DatabaseFile, ServiceLock
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, has_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, has_link, newest_link
 from truepose.storage.integrity.verification import note_how_it_was_left
 
 _BYTES: Final = 16 * 2**20
@@ -124,7 +123,10 @@ class SQLiteFile(DatabaseBackend):
         log = self.file.with_name(f"{self.file.name}-wal")
         # Before the database is opened, which makes a log of its own.
         log_bytes = log.stat().st_size if log.exists() else 0
-        self._connect()
+        try:
+            self._connect()
+        except REFUSED as error:
+            raise refused_at_opening(self.file, error) from error
         try:
             if self.left is not None and self.left.sha256 is not None:  # until the file was compared with it
                 # The file must not change before it was compared with its digest, and the service is ready
@@ -137,7 +139,7 @@ class SQLiteFile(DatabaseBackend):
             self._seal.break_open(self.plain)
         except REFUSED as error:
             self.connection.close()
-            raise self.translated(error) from error
+            raise refused_at_opening(self.file, error) from error
         except BaseException:
             self.connection.close()
             raise
@@ -147,10 +149,7 @@ class SQLiteFile(DatabaseBackend):
     def _connect(self) -> None:
         self._write_engine = writing_engine(self.file)
         self.readers = reading_engine(self.file)
-        try:
-            self.connection = self._write_engine.connect()
-        except DatabaseError as error:
-            raise self.translated(error) from error
+        self.connection = self._write_engine.connect()
 
     def make_ready(self) -> None:
         """See that the database lies at its place with its log, and bring it back where it was removed."""
@@ -278,7 +277,8 @@ class SQLiteFile(DatabaseBackend):
             # A database that was removed since the last look is brought back before the service ends:
             # afterwards nobody has it open any more.
             self.make_ready()
-        except (StorageError, LIBRARY.DatabaseError) as error:
+            self._seal.note(newest_link(self.plain))  # also of records that came past `commit`
+        except (StorageError, *REFUSED) as error:
             _LOG.error("the database is not as it should be left: %s", error)
         self.readers.dispose()
         self.connection.close()

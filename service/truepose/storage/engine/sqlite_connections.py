@@ -131,7 +131,23 @@ def _begin_reading(connection: Connection) -> None:
 
 
 REFUSED: Final = (DatabaseError, LIBRARY.DatabaseError)  # the chain asks the library without the toolkit
-_DAMAGE: Final = ("malformed", "corrupt", "no such table", "no such column", "disk image", "decode to UTF-8")
+_FOREIGN: Final = "not a database"
+_DAMAGE: Final = (
+    _FOREIGN,
+    "malformed",
+    "corrupt",
+    "no such table",
+    "no such column",
+    "disk image",
+    "decode to UTF-8",
+)
+
+
+def refused_at_opening(file: Path, error: Exception) -> StorageError:
+    """Return what `translated` does, of a file that may never have been a database."""
+    if _FOREIGN in str(error):
+        return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
+    return translated(file, error)
 
 
 def translated(file: Path, error: Exception) -> StorageError:
@@ -139,9 +155,6 @@ def translated(file: Path, error: Exception) -> StorageError:
     said = str(error.orig if isinstance(error, DatabaseError) else error)
     if isinstance(error, (IntegrityError, LIBRARY.IntegrityError)):
         return ConflictError(f"The records do not allow that ({said}); nothing was kept.")
-    # Before damage: a file of another kind is nobody's damaged database.
-    if "not a database" in said:
-        return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
     if any(word in said for word in _DAMAGE):
         return damaged(str(file), said)
     return StorageUnavailableError(
