@@ -225,6 +225,7 @@ async def test_beside_a_service_a_copy_is_laid_ready_for_the_next(database_url, 
     assert names(kept) == ["first", "second", "third"]
     assert verify_left(database.file).findings == verify_left(kept).findings == ()
     assert put_ready_in_place(database.file) is None  # once
+    assert not [*database.file.parent.glob("*to-restore*")]
 
 
 def test_where_nothing_is_laid_ready_nothing_is_put_anywhere(left, tmp_path):
@@ -249,6 +250,25 @@ def test_what_was_spoiled_since_it_was_laid_ready_keeps_the_service_from_startin
     ready.write_bytes(ready.read_bytes()[:20_000])
 
     with pytest.raises(BackupError):
+        put_ready_in_place(left)
+
+    assert names(left) == ["first", "second"]
+
+
+def test_whole_pages_with_less_in_them_than_was_laid_ready_keep_it_from_starting_too(left, copy):
+    back_up(left, copy, replace=True)
+    _, ready = lay_ready(copy, left, replace=True)
+    triggers = "SELECT name, sql FROM sqlite_schema WHERE type = 'trigger'"
+    with LIBRARY.connect(ready) as laid:
+        protection = laid.execute(triggers).fetchall()
+        for name, _ in protection:
+            laid.execute(f"DROP TRIGGER {name}")
+        laid.execute("DELETE FROM links WHERE id = (SELECT max(id) FROM links)")
+        for _, statement in protection:
+            laid.execute(statement)
+    laid.close()
+
+    with pytest.raises(BackupError, match="was changed since it was laid ready"):
         put_ready_in_place(left)
 
     assert names(left) == ["first", "second"]

@@ -15,6 +15,7 @@ from truepose.storage.engine.files import sync_folder
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.engine.sqlite_file import ServiceLock
 from truepose.storage.errors import BackupError, DatabaseUsedError
+from truepose.storage.integrity.database_identity import IdentityFile, digest
 from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.integrity.verification import Verdict, verify_left
 
@@ -77,8 +78,10 @@ def lay_ready(
             _require_allowed(database, replace)
         told(_VERIFYING, "copying")
         with _copied(copy, database.with_name(f"{ready.name}.part"), head) as fresh:
+            IdentityFile(ready).file.unlink(missing_ok=True)  # of what was laid ready before
             fresh.replace(ready)
             sync_folder(ready.parent)
+        _seal(ready)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{copy} cannot be laid ready for {database} ({error}).") from error
     return head, ready
@@ -94,13 +97,15 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
         return None
     lock = ServiceLock(database)
     try:
+        # A week may lie between laying ready and the next start.
+        _require_as_sealed(ready)
         with contextlib.closing(opened_file(ready)) as laid:
             head = newest_head(laid)
-        # A week may lie between laying ready and the next start. Pages and protection are looked at anew; the
-        # head is that of the same file, so the whole chain is not (`truepose verify` does that).
         require_copy(ready, head)
         lock.move_to(None)  # as above
-        return head, _put_in_place(ready, database, _has_records(database))
+        aside = _put_in_place(ready, database, _has_records(database))
+        IdentityFile(ready).file.unlink(missing_ok=True)
+        return head, aside
     # This keeps the service from starting, on purpose: somebody asked for another database, and a session
     # begun on the old one would be put aside with it at the next start.
     except (OSError, LIBRARY.DatabaseError) as error:
@@ -109,6 +114,30 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
         ) from error
     finally:
         lock.release()
+
+
+def _seal(ready: Path) -> None:
+    """Note beside what was laid ready what it holds."""
+    seal = IdentityFile(ready)
+    with contextlib.closing(opened_file(ready)) as laid:
+        seal.break_open(laid)
+    with ready.open("rb") as opened:
+        seal.close(digest(opened))
+
+
+def _require_as_sealed(ready: Path) -> None:
+    """Raise BackupError where a file is not what was laid ready; every record was read then."""
+    sealed = IdentityFile(ready).left()
+    # Nobody has sealed it: somebody was cut short after laying it ready, or an earlier version has.
+    if sealed is None or sealed.sha256 is None:
+        return
+    with ready.open("rb") as opened:
+        found = digest(opened)
+    if found != sealed.sha256:
+        raise BackupError(
+            f"{ready} was changed since it was laid ready; delete it to go on with what there is, or lay it "
+            "ready once more."
+        )
 
 
 def whole_copy(copy: Path, told: Told) -> Head:
