@@ -124,8 +124,10 @@ def _largest(loads: FloatArray) -> float:
 def _rubbing(scene: Scene) -> list[Place]:
     if scene.torque_n_mm is None or scene.stops.direction is None:
         return []
-    load = np.nan_to_num(scene.torque_n_mm)
-    loaded = np.ptp(np.abs(load), axis=0) > _SMALLEST_LOAD_N_MM  # an even load is backlash
+    load, known = np.abs(scene.torque_n_mm), np.isfinite(scene.torque_n_mm)
+    largest = np.max(load, axis=0, where=known, initial=0.0)
+    least = np.min(load, axis=0, where=known, initial=np.inf)
+    loaded = largest - least > _SMALLEST_LOAD_N_MM  # an even load is backlash
     return [(joint + 1,) for joint in from_both_sides(scene.stops.direction) if loaded[joint]]
 
 

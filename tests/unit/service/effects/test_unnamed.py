@@ -162,6 +162,17 @@ def test_joints_that_hardly_move_between_stops_show_no_lag():
     assert "lag" not in kinds_of(UNNAMED.candidates(replace(scene, stops=creeping)))
 
 
+def test_an_even_load_is_no_varying_one_where_it_is_not_known():
+    scene = telling_scene()
+    load_n_mm = np.full((len(scene.stops), 6), 5e4)
+    load_n_mm[::5] = np.nan
+    load_n_mm[1::5, 2] = -2e4
+
+    subjects = [c.subject for c in UNNAMED.candidates(replace(scene, torque_n_mm=load_n_mm))]
+
+    assert [subject for subject in subjects if "torque" in subject] == ["joint 3, torque of joint 3, sign"]
+
+
 def test_moves_that_are_not_known_do_not_hide_a_joint_that_moves_far():
     scene = telling_scene()
     move_rad = np.full((len(scene.stops), 6), np.nan)
