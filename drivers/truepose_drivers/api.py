@@ -3,8 +3,8 @@
 Units: mm, rad, s, °C. Every reading carries the time of the cell's clock at which it was taken.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal, Protocol, TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -90,6 +90,10 @@ class MotionGuard:
     stops_unheard_s: float | None = None  # silence after which the controller stops by itself; None: never
     longest_piece_s: float | None = None  # send no motion that takes longer at once; None: send it whole
     speed_read_back: bool = False  # the controller states the limits that it was given
+    # From joints to joints [rad], at the limits that were set last; None: no longer than they let it.
+    takes_s: Callable[[tuple[float, ...], tuple[float, ...]], float] | None = field(
+        default=None, compare=False
+    )
 
 
 @dataclass(frozen=True, slots=True)

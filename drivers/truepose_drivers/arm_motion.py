@@ -54,19 +54,24 @@ def require_target(target_rad: Angles, joints: int, furthest_rad: float = math.i
             )
 
 
+def counted_deg(joints_rad: Angles, counting: JointCounting) -> Angles:
+    """Return angles of the robot file as the controller counts them."""
+    return counting.of_controller(tuple(map(math.degrees, joints_rad)))
+
+
 def counted_target_deg(
     target_rad: Angles, joints: int, counting: JointCounting, encode: Callable[[Angles], object]
 ) -> Angles:
     """Return a target as the controller counts it; raises TargetRefusedError where it cannot be sent."""
     require_target(target_rad, joints)
-    counted_deg = counting.of_controller(tuple(map(math.degrees, target_rad)))
+    target_deg = counted_deg(target_rad, counting)
     try:
         # The codec knows the widest number that its frame has room for. Tried before anything of the motion
         # is sent, so that a target which cannot be written leaves the arm and its speeds as they were.
-        encode(counted_deg)
+        encode(target_deg)
     except ValueError as error:
         raise TargetRefusedError(str(error)) from error
-    return counted_deg
+    return target_deg
 
 
 def counted_reading(

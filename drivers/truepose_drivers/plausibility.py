@@ -9,6 +9,8 @@ a driver passes on with `__getattr__`.
 
 import math
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any, Final, TypeAlias
 
 from truepose_drivers.api import (
@@ -230,6 +232,7 @@ ABILITIES: Final[Mapping[DeviceKind, tuple[type, ...]]] = {
     "robot": (GuardsMotion,),
     "linear_gauge": (ReadsChannels,),
 }
+_Joints: TypeAlias = tuple[float, ...]
 AskReflector: TypeAlias = Callable[[], Awaitable[Vector | None]]
 
 
@@ -241,7 +244,19 @@ def motion_guard_of(driver: object) -> MotionGuard:
         seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
         for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
     )
-    return stated if isinstance(stated, MotionGuard) and plausible else MotionGuard()
+    if not (isinstance(stated, MotionGuard) and plausible):
+        return MotionGuard()
+    takes_s = stated.takes_s
+    return stated if takes_s is None else replace(stated, takes_s=partial(_time_s, takes_s))
+
+
+def _time_s(takes_s: Callable[[_Joints, _Joints], float], start_rad: _Joints, target_rad: _Joints) -> float:
+    """Return how long a driver says that a motion takes [s]; where it cannot tell, 0, which shortens none."""
+    try:
+        seconds = float(takes_s(start_rad, target_rad))
+    except Exception:
+        return 0.0
+    return seconds if 0.0 < seconds < math.inf else 0.0
 
 
 def settings_of(driver: object) -> str:

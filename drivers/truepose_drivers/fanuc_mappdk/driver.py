@@ -24,6 +24,7 @@ from truepose_drivers.arm_motion import (
     CommandedMotion,
     answered_unless_it_stands,
     astray_text,
+    counted_deg,
     counted_reading,
     counted_target_deg,
     degrees_text,
@@ -103,7 +104,11 @@ class MappdkRobot:
         """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
         if self._watches:
             return MotionGuard(stops_unheard_s=protocol.STOPS_WITHIN_S)
-        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
+        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S, takes_s=self._takes_s)
+
+    def _takes_s(self, start_rad: Angles, target_rad: Angles) -> float:
+        start_deg, target_deg = (counted_deg(joints, self._counting) for joints in (start_rad, target_rad))
+        return self._request(start_deg, target_deg)[1]
 
     async def connect(self) -> None:
         """Open the link, trying again while the server may still be between two clients."""

@@ -22,6 +22,7 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.arm_motion import (
     astray_text,
+    counted_deg,
     counted_reading,
     counted_target_deg,
     degrees_text,
@@ -66,7 +67,6 @@ class RmiRobot(OnePortDevice):
 
     can_stop_motion = True  # a motion given up ends the session, and with it the program
     # Without a heartbeat the piece of a motion that was sent goes on to its end.
-    motion_guard = MotionGuard(longest_piece_s=LONGEST_PIECE_S)
 
     def __init__(
         self,
@@ -90,6 +90,17 @@ class RmiRobot(OnePortDevice):
         self._one_motion = asyncio.Lock()
         self._sequence = 0  # number of the next instruction
         self._stated: protocol.StatedAxes | None = None  # last in this session
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """What is sent at once is short at this driver's own speed, which may be far below the limits."""
+        return MotionGuard(longest_piece_s=LONGEST_PIECE_S, takes_s=self._takes_s)
+
+    def _takes_s(self, start_rad: Angles, target_rad: Angles) -> float:
+        maker = PieceMaker(self._counting, self._pace, self._limits)
+        return maker.duration_s(
+            counted_deg(start_rad, self._counting), counted_deg(target_rad, self._counting)
+        )
 
     async def connect(self) -> None:
         """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""

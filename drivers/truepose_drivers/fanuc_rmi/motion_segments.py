@@ -11,6 +11,7 @@ from truepose_drivers.fanuc_rmi.protocol import JOINTS
 
 LONGEST_PIECE_S: Final = 0.8  # of what is sent at once; ramps take up to 0.2 s more
 _MOST_PIECES: Final = 2_000
+_WHOLE_PERCENT: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +37,19 @@ class PieceMaker:
         Raises DeviceRefusedError where no speed of the controller keeps the limits.
         """
         steps_deg = self._steps_deg(axes_deg[:JOINTS], target_deg)
-        percent, override = self.pace.share_and_override(steps_deg, self.limits, override_percent)
-        duration_s = 100.0 * self.pace.at_share_s(steps_deg, percent) / override
+        percent, override, duration_s = self._speed(steps_deg, override_percent)
         whole_deg = (*target_deg, *axes_deg[JOINTS:])
         ends_deg = tuple(_between(axes_deg, whole_deg, share) for share in _shares(duration_s))
         return Pieces(ends_deg, percent, override)
+
+    def duration_s(self, start_deg: Angles, target_deg: Angles) -> float:
+        """Return how long a motion takes while the pendant leaves the speed to us [s]; raises as `pieces`."""
+        return self._speed(self._steps_deg(start_deg, target_deg), _WHOLE_PERCENT)[2]
+
+    def _speed(self, steps_deg: Angles, override_percent: int) -> tuple[int, int, float]:
+        """Return share, override and duration [s] of a motion that keeps the limits."""
+        percent, override = self.pace.share_and_override(steps_deg, self.limits, override_percent)
+        return percent, override, 100.0 * self.pace.at_share_s(steps_deg, percent) / override
 
     def _steps_deg(self, joints_deg: Angles, target_deg: Angles) -> Angles:
         before, after = self.counting.inclined(joints_deg), self.counting.inclined(target_deg)

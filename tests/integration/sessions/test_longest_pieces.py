@@ -64,7 +64,7 @@ def recorded(robot):
             self.sent.append(target_rad)
 
         async def set_limits(self, limits):
-            self.limits = limits
+            self._limits = limits
 
         async def read_joints(self):
             return JointReading(self.sent[-1], 1e-4, self.time_s())
@@ -108,8 +108,8 @@ def duration_s(start, target):
     return float(max(path_mm / SLOW.tool_speed_mm_s, angles.sum() / SLOW.orientation_speed_rad_s))
 
 
-async def longest_piece_s(robot, driver):
-    """Move far and slowly; returns the longest of the motions that arrive at the driver."""
+async def moved(robot, driver, speed):
+    """Move far; returns the motions that arrive at the driver."""
     clock = FakeClock()
     driver.time_s = lambda: clock.time_s
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
@@ -122,10 +122,10 @@ async def longest_piece_s(robot, driver):
         lambda now_s: allowed,
         wall_s=lambda: clock.time_s,
     )
-    await arm.set_limits(SLOW)
+    await arm.set_limits(speed)
     await arm.move(TARGET)
     assert driver.sent[-1] == TARGET
-    return max(duration_s(start, end) for start, end in pairwise(driver.sent))
+    return tuple(pairwise(driver.sent))
 
 
 async def require_told(kind, robot):
@@ -133,13 +133,13 @@ async def require_told(kind, robot):
     driver = recorded(robot)
     offered = driver.motion_guard
     rack = rack_of(robot, FakeClock())
-    moved = cell_of(kind, rack).robot_controller
+    in_cell = cell_of(kind, rack).robot_controller
     before = rack.motion_notice
-    rack.lend(1, moved)
+    rack.lend(1, in_cell)
 
-    longest_s = await longest_piece_s(moved, driver)
+    longest_s = max(duration_s(start, end) for start, end in await moved(in_cell, driver, SLOW))
 
-    assert moved.motion_guard == offered != MotionGuard()
+    assert in_cell.motion_guard == offered != MotionGuard()
     assert rack.motion_notice == before
     if offered.longest_piece_s is None:
         assert len(driver.sent) == 2
@@ -169,3 +169,16 @@ async def test_of_a_controller_that_answers_the_arm_sends_what_people_are_told(n
         await require_told(kind, robot)
     finally:
         await bench.close()
+
+
+@pytest.mark.parametrize("kind", SETUPS)
+@pytest.mark.parametrize("name", ["fanuc_mappdk", "fanuc_rmi"])
+async def test_a_controller_that_goes_more_slowly_than_it_may_is_sent_shorter_pieces(name, kind):
+    robot = unconnected(name)
+    driver = recorded(robot)
+    in_cell = cell_of(kind, rack_of(robot, FakeClock())).robot_controller
+
+    motions = await moved(in_cell, driver, MotionLimits(250.0, math.radians(20.0)))
+
+    guard = driver.motion_guard
+    assert max(guard.takes_s(start, end) for start, end in motions) <= 1.001 * guard.longest_piece_s

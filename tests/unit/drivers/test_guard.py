@@ -484,6 +484,23 @@ def test_of_a_robot_whose_driver_talks_nonsense_of_its_motions_the_worst_is_said
     assert guarded("acme", "robot", Unable()).motion_guard == MotionGuard()
 
 
+@pytest.mark.parametrize(
+    ("said", "heard"), [(2.5, 2.5), (math.nan, 0.0), (math.inf, 0.0), (-1.0, 0.0), ("2 s", 0.0), (None, 0.0)]
+)
+def test_how_long_a_motion_takes_is_a_time_or_nothing(said, heard):
+    able = Able()
+    able.motion_guard = MotionGuard(longest_piece_s=0.8, takes_s=lambda start_rad, target_rad: said)
+
+    assert guarded("acme", "robot", able).motion_guard.takes_s((0.0,), (1.0,)) == heard
+
+
+def test_a_driver_that_fails_to_say_how_long_a_motion_takes_says_nothing():
+    able = Able()
+    able.motion_guard = MotionGuard(longest_piece_s=0.8, takes_s=lambda: 1.0)
+
+    assert guarded("acme", "robot", able).motion_guard.takes_s((0.0,), (1.0,)) == 0.0
+
+
 @pytest.mark.parametrize(("said", "heard"), [(None, ""), (7, ""), (" a\ud800\x00b\n", "a??b?")], ids=repr)
 def test_settings_are_a_sentence_that_can_be_kept(said, heard):
     able = Able()

@@ -44,12 +44,14 @@ class MotionSegments:
         self._robot = robot
         self._speed = speed
 
-    def of(self, start_rad: Joints, target_rad: Joints, longest_s: float) -> Iterator[Joints]:
+    def of(
+        self, start_rad: Joints, target_rad: Joints, longest_s: float, takes_s: float = 0.0
+    ) -> Iterator[Joints]:
         """Yield where the pieces of a straight joint motion end, the target last.
 
         The way q(s) = start + s (target - start) is looked at in 24 equal steps. The slowest of them takes
         t = max(path / tool speed, turn / orientation speed), so that ceil(24 t / longest) equal pieces take
-        `longest_s` each at most, at the speed of this object.
+        `longest_s` each at most, at the speed of this object; so do ceil(takes_s / longest).
 
         Parameters
         ----------
@@ -57,6 +59,8 @@ class MotionSegments:
             Joint angles [rad].
         longest_s : float
             What a piece may take [s], above 0.
+        takes_s : float
+            What the controller says that the whole takes [s], all joints turning evenly; 0: it says nothing.
 
         Yields
         ------
@@ -66,7 +70,7 @@ class MotionSegments:
         # By the slowest step and not by the whole: equal shares of the joints are no equal times where the
         # arm stretches or turns its wrist.
         slowest_s = self._slowest_look_s(np.array(start_rad), np.array(target_rad))
-        count = math.ceil(_LOOKS * slowest_s / longest_s)
+        count = math.ceil(max(_LOOKS * slowest_s, takes_s) / longest_s)
         for piece in range(1, count):
             yield tuple(a + (b - a) * piece / count for a, b in zip(start_rad, target_rad, strict=True))
         yield target_rad
@@ -200,13 +204,16 @@ class Arm:
         # Where the arm was left is exact; what it reports is rounded, and pieces from there would not lie on
         # the planned line.
         start_rad = self._left_at or reading.joints_rad
-        longest_s = self._controller.motion_guard.longest_piece_s
+        guard = self._controller.motion_guard
+        longest_s = guard.longest_piece_s
         known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
         # What is not known is not cut but judged as it is: the interlocks below refuse a target with other
         # joints, or one that is no number.
         if longest_s is None or not known or not self._pace.waits:
             return (target_rad,)
-        return self._segments.of(start_rad, target_rad, longest_s)
+        # A controller that knows speeds of joints only goes more slowly than the limits let it.
+        takes_s = 0.0 if guard.takes_s is None else guard.takes_s(start_rad, target_rad)
+        return self._segments.of(start_rad, target_rad, longest_s, takes_s)
 
     async def _move_piece(self, piece_rad: Joints, target_rad: Joints, reading: JointReading) -> None:
         now_s = await self._clock.now_s()
