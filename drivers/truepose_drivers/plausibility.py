@@ -240,9 +240,13 @@ def motion_guard_of(driver: object) -> MotionGuard:
     """Return what a robot's driver says of its motions; where it says nothing or nonsense, the worst."""
     stated = _stated(driver, "motion_guard")
     # A driver that says 0 s or a text here must not make motions seem safer than they are.
-    plausible = isinstance(stated, MotionGuard) and all(
-        seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
-        for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
+    plausible = (
+        isinstance(stated, MotionGuard)
+        and all(
+            seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
+            for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
+        )
+        and _is_place(stated.speed_point_mm)
     )
     if not (isinstance(stated, MotionGuard) and plausible):
         return MotionGuard()
@@ -282,6 +286,12 @@ def _stated(driver: object, name: str) -> Any:
         return getattr(driver, name, None)
     except Exception:  # whatever foreign code does in a property
         return None
+
+
+def _is_place(value: object) -> bool:
+    if not (isinstance(value, tuple) and len(value) == 3 and all(map(_is_number, value))):
+        return False
+    return math.hypot(*value) <= _FARTHEST_POINT_MM  # a NaN is not
 
 
 def _is_number(value: object) -> bool:

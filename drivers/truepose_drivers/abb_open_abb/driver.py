@@ -95,7 +95,7 @@ class OpenAbbRobot:
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         self._turns = Turns(link)
-        self._tool_mm = [protocol.decimal(value, 1) for value in tool_mm]
+        self._tool_mm = tool_mm
         self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
@@ -112,7 +112,7 @@ class OpenAbbRobot:
         """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
         if self._watches:
             return MotionGuard(stops_unheard_s=protocol.STOPS_WITHIN_S, speed_read_back=True)
-        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
+        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S, speed_point_mm=self._tool_mm)
 
     async def connect(self) -> None:
         """Open the link, trying again while the server may still be between two clients."""
@@ -160,7 +160,9 @@ class OpenAbbRobot:
         ]
         # The server keeps the tool of whoever was here before, and holds the speed at its point.
         await self._ask(
-            protocol.encode_request(protocol.Code.SET_TOOL, [*self._tool_mm, *_UPRIGHT]),
+            protocol.encode_request(
+                protocol.Code.SET_TOOL, [*(protocol.decimal(mm, 1) for mm in self._tool_mm), *_UPRIGHT]
+            ),
             protocol.Code.SET_TOOL,
         )
         await self._ask(

@@ -40,6 +40,7 @@ SETUPS = {
 ADDRESS = {"host": "127.0.0.1", "port": 9}
 DRIVERS = {
     **{name: (name, ADDRESS) for name in registry().names("robot")},
+    "abb_open_abb with a long tool": ("abb_open_abb", {**ADDRESS, "tool_mm": "150 0 400"}),
     "abb_open_abb read by EGM": ("abb_open_abb", {**ADDRESS, "egm_port": 6510}),
     "abb_open_abb watched by web services": ("abb_open_abb", {**ADDRESS, "rws_port": 9}),
     "abb_rws read by EGM": ("abb_rws", {**ADDRESS, "egm_port": 6510}),
@@ -99,10 +100,10 @@ def cell_of(kind, rack):
     return sessions[kind]()
 
 
-def duration_s(start, target):
-    """How long the flange takes along the straight motion of the joints, looked at closely."""
+def duration_s(start, target, tool_mm=(0.0, 0.0, 0.0)):
+    """How long a point of the tool takes along the straight motion of the joints, looked at closely."""
     chain = nominal_chain(IRB120, FramePlacement(), np.linspace(start, target, 400))
-    path_mm = np.linalg.norm(np.diff(chain.origin[-1], axis=0), axis=1).sum()
+    path_mm = np.linalg.norm(np.diff(chain.points(np.array(tool_mm)), axis=0), axis=1).sum()
     turns = np.swapaxes(chain.rotation[-1][:-1], 1, 2) @ chain.rotation[-1][1:]
     angles = np.arccos(np.clip((np.trace(turns, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0))
     return float(max(path_mm / SLOW.tool_speed_mm_s, angles.sum() / SLOW.orientation_speed_rad_s))
@@ -137,7 +138,8 @@ async def require_told(kind, robot):
     before = rack.motion_notice
     rack.lend(1, in_cell)
 
-    longest_s = max(duration_s(start, end) for start, end in await moved(in_cell, driver, SLOW))
+    motions = await moved(in_cell, driver, SLOW)
+    longest_s = max(duration_s(start, end, offered.speed_point_mm) for start, end in motions)
 
     assert in_cell.motion_guard == offered != MotionGuard()
     assert rack.motion_notice == before

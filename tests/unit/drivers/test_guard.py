@@ -473,6 +473,9 @@ class Unable(Instrument):
         MotionGuard(stops_unheard_s="soon"),
         MotionGuard(stops_unheard_s=0.0),
         MotionGuard(stops_unheard_s=math.inf),
+        MotionGuard(longest_piece_s=1.0, speed_point_mm=(0.0, math.nan, 125.0)),
+        MotionGuard(longest_piece_s=1.0, speed_point_mm=(0.0, 125.0)),
+        MotionGuard(longest_piece_s=1.0, speed_point_mm=None),
     ],
     ids=str,
 )

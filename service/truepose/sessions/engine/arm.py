@@ -17,7 +17,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, JointRange, Robot
-from truepose.domain.session import SessionState
+from truepose.domain.session import SessionState, Vector
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.messages.message import Text, message
 from truepose.sessions.engine.interlocks import (
@@ -38,11 +38,12 @@ Joints = tuple[float, ...]
 
 
 class MotionSegments:
-    """Cuts motions of one robot at one speed; the flange is what its controller counts as the tool."""
+    """Cuts motions of one robot at one speed, which its controller keeps at a point of the flange's frame."""
 
-    def __init__(self, robot: Robot, speed: MotionLimits) -> None:
+    def __init__(self, robot: Robot, speed: MotionLimits, point_mm: Vector = (0.0, 0.0, 0.0)) -> None:
         self._robot = robot
         self._speed = speed
+        self._point_mm = np.array(point_mm)
 
     def of(
         self, start_rad: Joints, target_rad: Joints, longest_s: float, takes_s: float = 0.0
@@ -84,7 +85,7 @@ class MotionSegments:
         # In the robot's own base: lengths and angles are the same wherever it stands.
         chain = nominal_chain(self._robot, FramePlacement(), start + share * (target - start))
         last = chain.rotation[-1]
-        path_mm = np.linalg.norm(np.diff(chain.origin[-1], axis=0), axis=1)
+        path_mm = np.linalg.norm(np.diff(chain.points(self._point_mm), axis=0), axis=1)
         turn_rad = np.linalg.norm(vector_from_rotation(np.swapaxes(last[:-1], -1, -2) @ last[1:]), axis=1)
         speed = self._speed
         # A controller keeps both limits, so the one that takes longer binds.
@@ -175,7 +176,8 @@ class Arm:
         await self._controller.set_limits(limits)
         # Cut for the speed in force, whatever a session set before: what is cut for 250 mm/s takes 25 times
         # as long at the 10 mm/s at which a probe leaves its target.
-        self._segments = MotionSegments(self._robot, limits)
+        point_mm = self._controller.motion_guard.speed_point_mm
+        self._segments = MotionSegments(self._robot, limits, point_mm)
 
     async def read(self) -> JointReading:
         """Ask where the joints are."""

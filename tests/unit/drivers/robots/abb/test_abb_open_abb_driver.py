@@ -80,6 +80,7 @@ async def test_the_point_at_which_speeds_hold_is_that_of_the_tool():
     fake = FakeController()
     link = MemoryLink(fake.serve)
     robot = OpenAbbRobot(link, FixedClock(), time_outs=QUICK, tool_mm=(150.0, 0.04, 125.0))
+    assert robot.motion_guard.speed_point_mm == (150.0, 0.04, 125.0)
     await robot.connect()
 
     await robot.set_limits(FAST)
