@@ -260,10 +260,12 @@ def _planned(
     waits = away(around, held, before, rng)
     groups = [np.flatnonzero(nest == number).tolist() for number in nests]
     ways = tour(around, before, groups, Stop(np.array(waits.joints_rad)), rng)
-    if len(ways.order) < _FEWEST:
-        raise TooFewCandidatesError(
-            "No clear way leads to enough stops on the sphere: place the base fixture elsewhere, or turn it."
-        )
+    for number in nests:
+        if np.count_nonzero(nest[list(ways.order)] == number) < _FEWEST:
+            raise TooFewCandidatesError(
+                f"No clear way leads to enough stops of nest {number} on the sphere: place the base fixture "
+                "elsewhere, or turn it."
+            )
     fixture = around.fixture
     setup = PlannedSetup(BALL_CUP, _row(held.joints_rad), tuple(map(_row, lift(around, held)[:0:-1])))
     cups = tuple((float(x), float(y), float(z)) for x, y, z in fixture.cups_mm)

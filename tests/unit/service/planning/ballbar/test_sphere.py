@@ -14,8 +14,10 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NestCentre
 from truepose.domain.robot import JointRange
 from truepose.identification.model.prediction import predict
+from truepose.planning.ballbar import sphere
 from truepose.planning.ballbar.bodies import base_fixture, chain_of
 from truepose.planning.ballbar.motion_clearance import Surroundings, between, is_clear_along
+from truepose.planning.ballbar.paths import tour
 from truepose.planning.ballbar.sphere import plan_sphere
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 
@@ -106,6 +108,18 @@ def test_a_model_of_another_robot_commands_nothing():
 def test_nests_that_are_none_are_refused(nests):
     with pytest.raises(ConfigurationError, match="each of its tool nests once, out of 1 to 3"):
         plan_sphere(_CELL, _BALL, SpherePlanRequest(nests))
+
+
+def test_a_nest_to_whose_stops_no_way_leads_is_said_however_many_the_others_have(monkeypatch):
+    def without_the_second_nest(around, before, groups, here, rng):
+        own, lost = groups
+        found = tour(around, before, [own], here, rng)
+        return replace(found, missed=(*found.missed, *lost))
+
+    monkeypatch.setattr(sphere, "tour", without_the_second_nest)
+
+    with pytest.raises(TooFewCandidatesError, match="No clear way leads to enough stops of nest 2"):
+        plan_sphere(_CELL, _BALL, SpherePlanRequest(stops=12))
 
 
 def test_a_ball_out_of_reach_is_said():
