@@ -217,7 +217,7 @@ def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = Fals
     tool = _tool(bodies, frames)
     found = list(_above_floor(bodies, arm, links, tool))
     found += list(_outside_keep_outs(bodies, arm, links, tool))
-    found += [] if floor_only else list(_off_the_arm(arm, links, tool))
+    found += [] if floor_only else list(_off_the_arm(bodies, arm, links, tool))
     names, places = tuple(name for name, _, _ in found), tuple(place for _, place, _ in found)
     room_mm = np.array([room for _, _, room in found]).reshape(len(found), len(joints_rad))
     return Rooms(names, places, room_mm)
@@ -255,10 +255,12 @@ def _outside_keep_outs(
 
 
 def _off_the_arm(
-    arm: Capsules, links: tuple[int, ...], tool: Capsules
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
 ) -> Iterator[tuple[Message, Message, FloatArray]]:
     """Yield the rooms of the tool beside the links before the wrist."""
-    inner = [k for k, link in enumerate(links) if link <= max(links) - _WRIST_LINKS]
+    # By the joints, not by the last piece: an arm whose last link has no length has as long a wrist.
+    last = bodies.arm.robot.n_joints - _WRIST_LINKS
+    inner = [k for k, link in enumerate(links) if link <= last]
     for nest, gap in enumerate(np.min(gaps(tool, arm.some(inner)), axis=1, initial=np.inf), start=1):
         yield message("room.nest", nest=nest), _INSIDE, gap
 

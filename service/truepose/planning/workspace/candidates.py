@@ -96,8 +96,8 @@ def _is_hidden(
 def _before_the_flange(space: WorkSpace, chain: Chain) -> Capsules:
     arm = bodies_in(space).arm
     # A nest is carried by the last link: its beam would begin inside it and count as hidden everywhere.
-    links = arm_links(arm)
-    return arm_body(arm, chain).some([k for k, link in enumerate(links) if link < max(links)])
+    before = [k for k, link in enumerate(arm_links(arm)) if link < space.robot.n_joints]
+    return arm_body(arm, chain).some(before)
 
 
 _BATCH: Final = 8192

@@ -8,7 +8,8 @@ import pytest
 from tests.unit.service.sessions.tracker.fakes import IRB120, TRACKER_AT
 from truepose.domain.robot import FramePlacement, JointRange, Nest
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
-from truepose.planning.workspace.candidates import draw_candidates, judge
+from truepose.planning.workspace.bodies import bodies_in, rooms
+from truepose.planning.workspace.candidates import cosines_in_sight, draw_candidates, judge
 from truepose.planning.workspace.space import (
     COLUMN_RADIUS_MM,
     TABLE_CLEARANCE_MM,
@@ -31,9 +32,33 @@ def rng():
     return np.random.default_rng(1)
 
 
+def without_a_last_length(space):
+    """Return the same arm and tool, counted from a last frame that lies in the wrist."""
+    *before, last = space.robot.joints
+    robot = replace(space.robot, joints=(*before, replace(last, d_mm=0.0)))
+    moved = [(x, y, z + last.d_mm) for x, y, z in CENTRES]
+    nests = tuple(replace(nest, centre_mm=centre) for nest, centre in zip(space.nests, moved, strict=True))
+    return replace(space, robot=robot, nests=nests)
+
+
 @pytest.fixture(scope="module")
 def drawn():
     return draw_candidates(SPACE, 2000, np.random.default_rng(1))
+
+
+def test_forearm_and_upper_arm_hide_nests_and_stop_the_tool_whatever_the_last_length_is():
+    seen_from_everywhere = tuple(replace(nest, facing=None) for nest in NESTS)
+    space = replace(SPACE, table_z_mm=-1e6, nests=seen_from_everywhere)
+    short = without_a_last_length(space)
+    joints = np.radians(rng().uniform(-150.0, 150.0, (3000, 6)))  # folded in more ways than it is measured
+
+    hidden, hidden_of_short = (
+        np.isneginf(cosines_in_sight(one, nominal_chain(one, joints))) for one in (space, short)
+    )
+    touching, touching_of_short = (rooms(bodies_in(one), joints).least_mm() < 0.0 for one in (space, short))
+
+    assert hidden_of_short.tolist() == hidden.tolist()
+    assert 0 < touching.sum() == (touching & touching_of_short).sum()
 
 
 def test_as_many_are_drawn_as_are_asked_for_and_all_lie_in_the_ranges(drawn):
