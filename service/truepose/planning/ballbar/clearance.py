@@ -44,7 +44,9 @@ from truepose.planning.workspace.capsules import (
 # A half-inch ball lies in its magnetic cup to a bit below its middle; further over, the bar touches the rim.
 LEAN_RAD: Final = float(np.radians(100.0))
 _COLUMN_LINKS = 2  # foot and what the first joint turns: they stand on the table
-_NEIGHBOURS = 2  # links that close to each other meet in a joint and are no collision
+# Capsules of links up to two apart, as upper arm and forearm, touch in every position of some shipped arm; of
+# those three apart, as shoulder and forearm, none touch at home.
+_NEIGHBOURS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,8 +168,8 @@ def _self_gap(bodies: Bodies, whole: Capsules) -> FloatArray:
 def _apart(links: tuple[int, ...], tool: int, last: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Return which two pieces of arm and tool, counted in this order, could meet: indices, one by one.
 
-    The tool's and those of the links before the wrist, and those of links that do not meet in a joint. The
-    stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
+    The tool's and those of the links before the wrist, and those of links more than two apart. The stem
+    leaves the flange, which is next to the forearm's end in every position: it is left out there.
     """
     forearm = last - _NEIGHBOURS
     of_tool = [
@@ -178,7 +180,7 @@ def _apart(links: tuple[int, ...], tool: int, last: int) -> tuple[tuple[int, ...
     of_arm = [
         (upper, lower)
         for (upper, link), (lower, below) in product(enumerate(links), repeat=2)
-        if below < link - _NEIGHBOURS - 1
+        if below < link - _NEIGHBOURS
     ]
     pairs = [*of_tool, *of_arm]
     return tuple(first for first, _ in pairs), tuple(second for _, second in pairs)

@@ -1,9 +1,12 @@
 """Clearance of arm, tool and bars in cells where one sees what touches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.exchange.robots.named import list_robots, load_robot_with_tool
 from truepose.planning.ballbar.bodies import (
     arm_body,
     arm_links,
@@ -42,6 +45,20 @@ def test_a_tool_folded_back_to_the_forearm_is_not_clear():
 
     assert straight > 30.0
     assert folded < 10.0
+
+
+def test_a_forearm_folded_down_to_the_shoulder_is_not_clear():
+    folded = np.radians([[0, 80, 66, 90, -90, 0]])  # 3 mm into it; tool and flange are 17 mm off the arm
+
+    assert is_clear(ballbar_cell(), FAR, folded).tolist() == [False]
+
+
+@pytest.mark.parametrize("name", list_robots())
+def test_no_shipped_robot_touches_itself_at_home(name):
+    robot = load_robot_with_tool(name).robot
+    without_table = replace(ballbar_cell(), robot=robot, ranges=robot.calibration_ranges, table_z_mm=-1e4)
+
+    assert arm_room_mm(bodies_at(without_table, FAR, np.zeros((1, 6)))).min() > 30.0
 
 
 def test_a_fixture_where_the_tool_is_is_touched():

@@ -15,7 +15,7 @@ from truepose.planning.ballbar.motion_clearance import between
 from truepose.planning.errors import NoWayError
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
-POSES = reachable(CELL, FIXTURE)[:30:2]
+POSES = reachable(CELL, FIXTURE)[1:31:2]
 HERE = reachable(CELL, FIXTURE)[40].joints_rad
 IN_THE_TABLE = tuple(np.radians([0.0, 110.0, 40.0, 0.0, 0.0, 0.0]))
 NEXT = base_fixture(2, frame(300, -200, 300, 0, -30, 60))
