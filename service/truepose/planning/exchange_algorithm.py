@@ -26,7 +26,6 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.observability import observability_o1
 
 _SMALLEST_GAIN: Final = 1e-6  # of log det: far above its rounding, and O1 gains less than that relatively
 _FRESH: Final = (
@@ -44,15 +43,11 @@ class Selection:
     ----------
     indices : ndarray, shape (n,)
         Ascending.
-    o1 : float
-        O1 of the chosen rows alone, without what was known before, in the unit of the Jacobians; 0 where the
-        chosen ones leave a parameter undetermined.
     exchanges : int
         How many were made.
     """
 
     indices: IntArray
-    o1: float
     exchanges: int
 
 
@@ -89,9 +84,11 @@ def choose_by_exchange(
     TooFewCandidatesError
         There are fewer than n candidates.
     ConfigurationError
-        The Jacobians have the wrong shape or are not finite, n is below 1, or the start is no set of n.
+        Jacobians or prior have the wrong shape or are not finite, n is below 1, or the start is no set of n.
     """
     _check_arguments(jacobians, n, start)
+    if prior_information is not None:
+        _check_prior(jacobians, prior_information)
     chosen = np.zeros(len(jacobians), dtype=bool)
     chosen[rng.choice(len(jacobians), n, replace=False) if start is None else start] = True
     # A start of lower rank has det M = 0 like all its neighbours: without a ridge no exchange would be
@@ -99,7 +96,7 @@ def choose_by_exchange(
     prior = _ridge(jacobians, n) if prior_information is None else prior_information
     exchanges = _exchange_until_it_stops(jacobians, chosen, prior)
     indices: IntArray = np.flatnonzero(chosen).astype(np.int64)
-    return Selection(indices, _o1(jacobians[indices]), exchanges)
+    return Selection(indices, exchanges)
 
 
 def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information: FloatArray) -> IntArray:
@@ -126,16 +123,31 @@ def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information
 
 
 def _check_arguments(jacobians: FloatArray, n: int, start: IntArray | None) -> None:
-    if jacobians.ndim != 3 or not np.all(np.isfinite(jacobians)):
-        raise ConfigurationError("Jacobians come as (candidates, rows, parameters) with finite entries only.")
+    if jacobians.ndim != 3 or not jacobians.shape[2] or not np.all(np.isfinite(jacobians)):
+        raise ConfigurationError(
+            "Jacobians come as (candidates, rows, parameters) of one parameter at least, with finite entries "
+            "only."
+        )
     if n < 1:
         raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
     if len(jacobians) < n:
         raise TooFewCandidatesError(
             f"{n} configurations were asked for, and only {len(jacobians)} candidates are there."
         )
-    if start is not None and (len(start) != n or len(np.unique(start)) != n):
-        raise ConfigurationError(f"A start consists of {n} different candidates.")
+    candidates = range(len(jacobians))
+    if start is not None and not (len(start) == n == len(set(start.tolist()) & set(candidates))):
+        raise ConfigurationError(
+            f"A start consists of {n} different candidates, counted from 0 to {candidates[-1]}."
+        )
+
+
+def _check_prior(jacobians: FloatArray, prior_information: FloatArray) -> None:
+    parameters = jacobians.shape[2]
+    if prior_information.shape != (parameters, parameters) or not np.all(np.isfinite(prior_information)):
+        raise ConfigurationError(
+            f"What is known beforehand of {parameters} parameters comes as ({parameters}, {parameters}) with "
+            "finite entries only."
+        )
 
 
 def _ridge(jacobians: FloatArray, n: int) -> FloatArray:
@@ -148,11 +160,6 @@ def _ridge(jacobians: FloatArray, n: int) -> FloatArray:
     typical = n * float(np.mean(np.sum(jacobians**2, axis=(1, 2)))) / parameters
     ridge: FloatArray = _RIDGE * max(typical, 1e-100) * np.eye(parameters)
     return ridge
-
-
-def _o1(chosen: FloatArray) -> float:
-    rows = chosen.reshape(-1, chosen.shape[2])
-    return observability_o1(rows, len(chosen)) if len(rows) >= rows.shape[1] else 0.0
 
 
 def _exchange_until_it_stops(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> int:

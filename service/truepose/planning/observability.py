@@ -32,8 +32,8 @@ def _singular_values(jacobian: FloatArray) -> FloatArray:
 
     Raises as `observability_o1`.
     """
-    if jacobian.ndim != 2 or not np.all(np.isfinite(jacobian)):
-        raise ConfigurationError("A Jacobian has two axes and finite entries only.")
+    if jacobian.ndim != 2 or not jacobian.shape[1] or not np.all(np.isfinite(jacobian)):
+        raise ConfigurationError("A Jacobian has two axes, a column at least, and finite entries only.")
     rows, columns = jacobian.shape
     if rows < columns:
         raise UnderdeterminedError(f"{rows} observations cannot determine {columns} parameters.")
@@ -65,7 +65,7 @@ def observability_o1(jacobian: FloatArray, n_configurations: int) -> float:
     Raises
     ------
     ConfigurationError
-        The Jacobian has not two axes, or an entry is not finite.
+        The Jacobian has not two axes, or no column, or an entry is not finite.
     UnderdeterminedError
         There are fewer observations than parameters.
 

@@ -27,6 +27,7 @@ from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import all_branches, branch_of
 from truepose.planning.exchange_algorithm import choose_by_exchange
+from truepose.planning.observability import observability_o1
 from truepose.validation.distance_errors import pair_errors
 
 _NOISE_MM: Final = 0.015
@@ -147,7 +148,8 @@ def choice(rows: np.ndarray) -> tuple[Timing, float]:
     """Time the choice of candidates, and return its index over the best of many starts."""
 
     def index(seed: int) -> float:
-        return choose_by_exchange(rows, CHOSEN, np.random.default_rng(seed)).o1
+        chosen = rows[choose_by_exchange(rows, CHOSEN, np.random.default_rng(seed)).indices]
+        return observability_o1(chosen.reshape(-1, rows.shape[2]), CHOSEN)
 
     best = max(index(seed) for seed in range(1, STARTS + 1))
     return timed(lambda: index(0)), index(0) / best

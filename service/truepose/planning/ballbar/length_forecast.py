@@ -303,7 +303,8 @@ def _share_seen(foreseen: FloatArray, spread: FloatArray) -> float:
     """
     shares = []
     for a, b in combinations(range(len(foreseen)), 2):
-        unsure, differ = (sqrt(c[a, a] + c[b, b] - 2.0 * c[a, b]) for c in (foreseen, spread))
+        # Of lengths that move alike rounding may leave less than nothing.
+        unsure, differ = (sqrt(max(c[a, a] + c[b, b] - 2.0 * c[a, b], 0.0)) for c in (foreseen, spread))
         shares.append(erfc(TOLD_APART * unsure / differ / sqrt(2.0)) if differ > 0.0 else 0.0)
     return float(np.mean(shares)) if shares else 1.0
 

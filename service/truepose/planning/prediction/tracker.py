@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.cell import KeepOuts
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NotIdentifiable
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
@@ -165,8 +166,15 @@ def session_plan(plan: PromisedPlan) -> SessionPlan:
     -------
     SessionPlan
         Numbered on from the configurations that were measured before.
+
+    Raises
+    ------
+    ConfigurationError
+        The plan is of ballbar lengths.
     """
-    nests = () if plan.nest is None else tuple(plan.nest.tolist())
+    if plan.nest is None:
+        raise ConfigurationError("The plan is of ballbar lengths; no tracker session measures them.")
+    nests = plan.nest.tolist()
     rows = enumerate(zip(plan.joints_rad.tolist(), nests, strict=True), start=plan.measured + 1)
     stops = tuple(PlannedStop(config, tuple(joints), nest) for config, (joints, nest) in rows)
     return SessionPlan("calibration", stops)

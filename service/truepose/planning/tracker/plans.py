@@ -9,6 +9,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.cell import Camera
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.session import PlannedStop, Role, SessionPlan
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import automatic_effects, build
@@ -131,9 +132,13 @@ def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
 
     Raises
     ------
+    ConfigurationError
+        Fewer than one configuration was asked for.
     WorkSpaceError, TooFewCandidatesError, NoWayError
         As `plan_calibration`.
     """
+    if n < 1:
+        raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
     rng = _generator(seed, "validation")
     candidates = draw_candidates(space, n, rng)
     tour = short_tour(candidates.joints_rad)

@@ -38,6 +38,8 @@ def clear_order(space: WorkSpace, joints_rad: FloatArray, start_rad: FloatArray 
     ndarray, shape (n,)
         Indices. Where no order is clear the ways that are not come last, the highest first.
     """
+    if not len(joints_rad):
+        return np.zeros(0, dtype=np.int64)
     stops = joints_rad if start_rad is None else np.vstack([start_rad, joints_rad])
     left = list(range(1, len(stops)))
     order = [0]

@@ -23,6 +23,11 @@ def o1(jacobians, indices):
     return observability_o1(chosen.reshape(-1, chosen.shape[2]), len(chosen))
 
 
+def o1_of_choice(jacobians, n, seed):
+    """Return O1 of what is chosen from a random start."""
+    return o1(jacobians, choose_by_exchange(jacobians, n, np.random.default_rng(seed)).indices)
+
+
 def best_of_all(jacobians, n):
     return max(o1(jacobians, indices) for indices in combinations(range(len(jacobians)), n))
 
@@ -36,15 +41,16 @@ def test_no_single_exchange_raises_the_index_any_further(rows, seed):
 
     inside, outside = set(selection.indices), set(range(14)) - set(selection.indices)
     neighbours = [inside - {leaving} | {entering} for leaving in inside for entering in outside]
+    best = max(o1(jacobians, indices) for indices in neighbours)
     # the exchange stops at a gain of 1e-6 in log det: 1e-6 / 8 relative in O1
-    assert max(o1(jacobians, indices) for indices in neighbours) <= selection.o1 * (1 + 1e-6)
+    assert best <= o1(jacobians, selection.indices) * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_best_of_a_few_starts_is_the_best_of_all_sets(seed):
     jacobians = candidates(9, seed=100 + seed)
 
-    found = max(choose_by_exchange(jacobians, 4, np.random.default_rng(k)).o1 for k in range(6))
+    found = max(o1_of_choice(jacobians, 4, k) for k in range(6))
 
     assert found == pytest.approx(best_of_all(jacobians, 4), rel=1e-6)
 
@@ -67,16 +73,14 @@ def test_a_start_that_leaves_parameters_undetermined_is_left_behind():
     selection = choose_by_exchange(jacobians, 6, np.random.default_rng(0), start=blind)
 
     assert o1(jacobians, blind) == 0.0
-    assert selection.o1 > 0.5 * max(
-        choose_by_exchange(jacobians, 6, np.random.default_rng(k)).o1 for k in range(5)
-    )
+    assert o1(jacobians, selection.indices) > 0.5 * max(o1_of_choice(jacobians, 6, k) for k in range(5))
 
 
 def test_a_set_that_is_just_large_enough_can_still_change():
     # four rows of one for four parameters: without any member the rest is singular
     jacobians = candidates(12, rows=1, seed=5)
 
-    found = max(choose_by_exchange(jacobians, 4, np.random.default_rng(k)).o1 for k in range(6))
+    found = max(o1_of_choice(jacobians, 4, k) for k in range(6))
 
     assert found == pytest.approx(best_of_all(jacobians, 4), rel=1e-5)
 
@@ -88,18 +92,17 @@ def test_a_parameter_that_nobody_sees_does_not_disturb_the_choice_of_the_others(
     with_it = choose_by_exchange(unseen, 6, np.random.default_rng(1))
     without = choose_by_exchange(seen, 6, np.random.default_rng(1))
 
-    assert with_it.o1 == 0.0
+    assert o1(unseen, with_it.indices) == 0.0
     assert list(with_it.indices) == list(without.indices)
 
 
-def test_the_index_is_that_of_the_chosen_rows_and_never_worse_than_the_start():
+def test_the_index_is_never_worse_than_that_of_the_start():
     jacobians = candidates(60, parameters=7, seed=7)
     start = np.arange(10)
 
     selection = choose_by_exchange(jacobians, 10, np.random.default_rng(0), start=start)
 
-    assert selection.o1 == pytest.approx(o1(jacobians, selection.indices), rel=1e-12)
-    assert selection.o1 > o1(jacobians, start)
+    assert o1(jacobians, selection.indices) > o1(jacobians, start)
     assert len(set(selection.indices)) == 10
 
 
@@ -115,7 +118,7 @@ def test_a_long_way_from_the_worst_start_ends_where_no_exchange_helps():
     for _ in range(200):
         changed = inside.copy()
         changed[rng.integers(90)] = rng.choice(np.setdiff1d(np.arange(800), inside))
-        assert o1(jacobians, changed) <= selection.o1 * (1 + 1e-6)
+        assert o1(jacobians, changed) <= o1(jacobians, inside) * (1 + 1e-6)
 
 
 def test_prior_information_draws_the_choice_to_what_is_not_known():
@@ -146,15 +149,24 @@ def test_more_than_there_are_is_refused_with_both_numbers():
     ("jacobians", "n", "start"),
     [
         (np.zeros((5, 3)), 2, None),
+        (np.zeros((5, 3, 0)), 2, None),
         (np.full((5, 3, 2), math.nan), 2, None),
         (candidates(5), 0, None),
         (candidates(5), 2, np.array([1, 1])),
         (candidates(5), 2, np.array([1, 2, 3])),
+        (candidates(5), 2, np.array([1, 5])),
+        (candidates(5), 2, np.array([1, -1])),
     ],
 )
 def test_arguments_that_make_no_sense_are_refused(jacobians, n, start):
     with pytest.raises(ConfigurationError):
         choose_by_exchange(jacobians, n, np.random.default_rng(0), start=start)
+
+
+@pytest.mark.parametrize("prior", [np.eye(3), np.ones(4), np.full((4, 4), math.nan)])
+def test_a_prior_of_other_parameters_is_refused(prior):
+    with pytest.raises(ConfigurationError, match="of 4 parameters"):
+        choose_by_exchange(candidates(5), 2, np.random.default_rng(0), prior_information=prior)
 
 
 def test_the_same_seed_gives_the_same_choice():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
+from truepose.domain.errors import ConfigurationError
 from truepose.planning.tracker.plans import plan_calibration, plan_validation
 from truepose.planning.tracker.pose_order import clear_order, room_mm
 from truepose.planning.workspace.candidates import draw_candidates
@@ -53,3 +54,10 @@ def test_one_stop_and_none_are_in_order():
 
     assert clear_order(SPACE, joints).tolist() == [0]
     assert clear_order(SPACE, joints, joints[0]).tolist() == [0]
+    assert clear_order(SPACE, joints[:0]).tolist() == []
+    assert clear_order(SPACE, joints[:0], joints[0]).tolist() == []
+
+
+def test_a_validation_of_nothing_is_refused():
+    with pytest.raises(ConfigurationError, match="ask for at least one"):
+        plan_validation(SPACE, 0, seed=1)

@@ -60,7 +60,7 @@ def test_fewer_observations_than_parameters_are_refused(index):
         index(np.ones((2, 3)))
 
 
-@pytest.mark.parametrize("jacobian", [np.ones(3), np.full((3, 2), np.nan)])
+@pytest.mark.parametrize("jacobian", [np.ones(3), np.full((3, 2), np.nan), np.zeros((3, 0))])
 def test_what_is_no_jacobian_is_refused(jacobian):
     with pytest.raises(ConfigurationError):
         observability_o3(jacobian)

@@ -55,12 +55,12 @@ def test_what_is_chosen_determines_the_parameters_better_than_chance():
 
     chosen = choose_calibration(jacobians, 30, rng())
 
-    by_chance = [
-        observability_o1(jacobians[rows].reshape(90, -1), 30)
-        for rows in (np.random.default_rng(k).choice(FEW, 30, replace=False) for k in range(20))
-    ]
+    by_chance = [np.random.default_rng(k).choice(FEW, 30, replace=False) for k in range(20)]
+    of_chosen, *of_chance = (
+        observability_o1(jacobians[rows].reshape(90, -1), 30) for rows in (chosen.indices, *by_chance)
+    )
     # with 5,000 candidates the ratio is about 1.35; with 300 there is less to choose from
-    assert chosen.o1 > 1.1 * max(by_chance)
+    assert of_chosen > 1.1 * max(of_chance)
 
 
 def test_the_jacobians_have_the_thirty_parameters_of_this_robot_and_see_masses_as_springs():

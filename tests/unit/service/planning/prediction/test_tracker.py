@@ -16,8 +16,8 @@ from truepose.messages.catalogue import english
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.prediction.errors import Discrepancy, mean_norms
 from truepose.planning.prediction.expected_covariance import TYPICAL, ArmKnowledge, PriorKnowledge, stated
-from truepose.planning.prediction.plan import WorkVolume
-from truepose.planning.prediction.tracker import ExistingReadings, promised_session
+from truepose.planning.prediction.plan import BallbarPoses, WorkVolume
+from truepose.planning.prediction.tracker import ExistingReadings, promised_session, session_plan
 from truepose.planning.tracker.path_repair import pool_of
 from truepose.planning.tracker.plans import plan_calibration
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
@@ -101,6 +101,13 @@ def test_three_configurations_leave_almost_everything_open(forty):
 def test_no_configuration_at_all_cannot_be_asked_for(n):
     with pytest.raises(ConfigurationError, match="at least one"):
         planned(n)
+
+
+def test_lengths_are_measured_by_no_tracker_session(plan):
+    of_lengths = replace(plan, nest=None, poses=BallbarPoses((), np.zeros(0, dtype=int), ()))
+
+    with pytest.raises(ConfigurationError, match="no tracker session measures them"):
+        session_plan(of_lengths)
 
 
 def test_where_enough_was_measured_nothing_is_left_to_choose(plan):

@@ -25,3 +25,11 @@ def test_poses_after_the_pre_calibration_are_coded_and_never_named(plan):
     early = replace(plan, precalibrate_after=2)
 
     assert unseen_swaps(SessionForecast(ballbar_cell(), plan, KIT), early, KIT) == (1, 2)
+
+
+def test_a_leg_that_is_read_twice_is_exchanged_with_itself_unseen(plan):
+    (placement,) = plan.placements
+    poses = tuple(replace(pose, legs=(*pose.legs[:5], pose.legs[0])) for pose in placement.poses)
+    twice = replace(plan, placements=(replace(placement, poses=poses),))
+
+    assert 1 in unseen_swaps(SessionForecast(ballbar_cell(), twice, KIT), twice, KIT)
