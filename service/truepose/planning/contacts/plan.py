@@ -4,11 +4,12 @@ There is one place from which the arm comes to every stop, and to which it retur
 there. So the way from one stop to the next is known to be clear, also where some of them are left out.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import SEEN_ALONG_AXES, ContactPlan, ContactStop, Joints, Target, TargetKind
 from truepose.domain.session import Vector
@@ -17,6 +18,9 @@ from truepose.planning.contacts.plan_request import ContactPlanRequest, normal_o
 from truepose.planning.contacts.poses import Goals, ReachablePoses, draw_goals, groups_of, reached
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.exchange_algorithm import choose_by_exchange
+from truepose.planning.tracker.path_repair import mended_or_toured, pool_of
+from truepose.planning.tracker.plans import short_tour
+from truepose.planning.tracker.pose_order import clear_order
 from truepose.planning.workspace.bodies import CellBodies, bodies_of
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.path_clearance import Ways, least_rooms_mm
@@ -183,6 +187,8 @@ def plan_of(cell: Cell, wish: ContactPlanRequest) -> ContactPlan:
     jacobians = _jacobians(space, wish, found)
     known = _KNOWN * np.eye(jacobians.shape[2])
     chosen = choose_by_exchange(jacobians, wish.stops, rng, prior_information=known).indices
+    if wish.loop == "wires":
+        chosen = _visits(space, found.way_rad[:, -1], chosen)
     stops = tuple(_stop(wish, found, int(row), config) for config, row in enumerate(chosen, start=1))
     return ContactPlan(
         loop=wish.loop,
@@ -252,6 +258,8 @@ def _joined(parts: list[ReachablePoses]) -> ReachablePoses:
 def _hanging(space: WorkSpace, wish: ContactPlanRequest, rng: np.random.Generator) -> ReachablePoses:
     """Return configurations all over the work space in which every wire is within its stroke."""
     joints = draw_candidates(space, _DRAWN, rng).joints_rad
+    # Drawn by the rules for points, which know neither elbow nor tool against arm.
+    joints = joints[pool_of(space, joints).stand(np.arange(len(joints)), 0.0)]
     tip_mm = _tips_mm(space, wish, joints)
     off_mm = np.array([
         np.linalg.norm(tip_mm - place_of(target), axis=1) - (target.zero_mm or 0.0) for target in wish.targets
@@ -260,6 +268,22 @@ def _hanging(space: WorkSpace, wish: ContactPlanRequest, rng: np.random.Generato
     nothing = np.zeros((len(kept), 3))
     goals = Goals(np.zeros(len(kept), dtype=np.int64), tip_mm[kept], nothing, nothing)
     return _enough(wish, ReachablePoses(goals, joints[kept][:, None]))
+
+
+def _visits(space: WorkSpace, joints_rad: FloatArray, chosen: IntArray) -> IntArray:
+    """Return stops without a hub in an order of short ways on which nothing touches.
+
+    What cannot be reached gives its place to what is nearest to it, whatever that tells.
+    """
+    tour = chosen[short_tour(joints_rad[chosen])]
+    tour = tour[clear_order(space, joints_rad[tour])]
+
+    def nearest(order: Sequence[int], at: int) -> IntArray:
+        away = np.abs(joints_rad - joints_rad[order[at]]).max(axis=1)
+        ranked = np.argsort(away, kind="stable")
+        return np.asarray(ranked[~np.isin(ranked, order)])
+
+    return mended_or_toured(pool_of(space, joints_rad), tour, nearest)
 
 
 def _enough(wish: ContactPlanRequest, found: ReachablePoses) -> ReachablePoses:

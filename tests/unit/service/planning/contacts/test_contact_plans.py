@@ -14,7 +14,9 @@ from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.contacts.poses import draw_goals
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
+from truepose.planning.workspace.bodies import bodies_of
 from truepose.planning.workspace.candidates import cosines_in_sight, is_seen
+from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 
 CELL = cell_given("lrmate-tilted")
@@ -109,6 +111,17 @@ def test_wires_hang_where_no_tracker_sees_the_tool_as_well():
     chain = chain_of([stop.joints_rad for stop in plan.stops])
     seen = is_seen(SPACE, cosines_in_sight(SPACE, chain)).any(axis=0)
     assert seen.sum() < 15
+
+
+def test_on_the_way_from_wire_stop_to_wire_stop_nothing_touches():
+    cell = replace(CELL, limits=replace(CELL.limits, floor_z_mm=0.0))
+    wires = ContactPlanRequest("wires", (DRUM,), 20, nest=2, stroke_mm=300.0, margin_mm=20.0, seed=2)
+
+    plan = plan_of(cell, wires)
+
+    stops = np.array([stop.joints_rad for stop in plan.stops])
+    ways = Ways(tuple(map(str, range(19))), stops[:-1], stops[1:])
+    assert what_blocks_a_way(bodies_of(cell), ways) is None
 
 
 def test_the_same_seed_plans_the_same_stops_and_another_one_others():
