@@ -14,7 +14,7 @@ from typing import Final
 from truepose.domain.cell import Artefact, Cell
 from truepose.sessions.devices import DeviceRegistry, DeviceStatus
 from truepose.storage.backup.schedule import BackupSchedule
-from truepose.storage.contents import Counts, counted
+from truepose.storage.contents import Counts, record_counts
 from truepose.storage.database import Database
 from truepose.storage.engine.backend import Integrity
 from truepose.storage.errors import ServerAwayError, ServerRefusedError, StorageError
@@ -197,7 +197,7 @@ class HealthMonitor:
         """Count the records; returns whether the database can be read, now or once its server is back."""
         try:
             async with asyncio.timeout(_PATIENCE_S):
-                self._counts = await counted(self._database)
+                self._counts = await record_counts(self._database)
         except (ServerAwayError, ServerRefusedError) as error:
             self._away = str(error)
             return True

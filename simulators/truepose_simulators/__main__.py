@@ -51,7 +51,7 @@ from truepose_simulators.scenarios.model_file import load_model
 _ASKING = ("SIGINT", "SIGTERM", "SIGBREAK")
 
 
-def asked_to_end() -> asyncio.Event:
+def end_event() -> asyncio.Event:
     """Return what is set when somebody asks this process to end, which is the last that its loop does."""
     loop, asked = asyncio.get_running_loop(), asyncio.Event()
     for number in (getattr(signal, name) for name in _ASKING if hasattr(signal, name)):
@@ -149,7 +149,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
         await cell.remember(options.state)
     pace: Pace = 1 if options.pace == 1 else 0
     cell.clock.go_at(pace)
-    interrupted = asked_to_end()
+    interrupted = end_event()
     endpoints, first = _endpoints(cell), options.port_base
     try:
         for offset, endpoint in enumerate(endpoints):

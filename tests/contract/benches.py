@@ -72,7 +72,7 @@ from truepose_simulators.instruments.robot.universal_robots_ports import (
     rtde_endpoint,
     script_endpoint,
 )
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.scenarios.file import load_scenario
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
@@ -267,7 +267,7 @@ class Bench:
 
     def fixed_nest_mm(self, number: int) -> tuple[float, float, float]:
         """Where a fixed nest is, in the tracker's frame; the simulator's knowledge."""
-        x, y, z = seen_from(self.cell.tracker.frame, self.cell.fixed_nests_mm())[number - 1]
+        x, y, z = in_tracker_frame(self.cell.tracker.frame, self.cell.fixed_nests_mm())[number - 1]
         return float(x), float(y), float(z)
 
     def spread_mm(self, point_mm: tuple[float, float, float]) -> float:

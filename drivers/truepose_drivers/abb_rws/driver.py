@@ -127,7 +127,7 @@ class RwsRobot:
     async def _stated(self, target: str, name: str) -> str:
         """Return what a controller says of itself, `unknown` where it does not know the question."""
         try:
-            return await self._session.get(target, lambda told: protocol.stated(told, name)) or _UNKNOWN
+            return await self._session.get(target, lambda told: protocol.state_text(told, name)) or _UNKNOWN
         except DeviceRefusedError:
             return _UNKNOWN
 

@@ -107,7 +107,7 @@ def text(told: State, name: str) -> str:
     return value
 
 
-def stated(response: HttpResponse, name: str) -> str:
+def state_text(response: HttpResponse, name: str) -> str:
     """Return a text of the first state, empty where it is missing; raises RwsProtocolError."""
     return str(next(iter(states(response)), {}).get(name) or "")[:100]
 

@@ -216,7 +216,7 @@ class BridgedTracker(OnePortDevice):
             raise ConfigurationError(f"nothing can be measured in {duration_s} s")
 
         def new(answer: protocol.Answer) -> Value:
-            self._require_new(protocol.measured(self._of_ours(answer)))
+            self._require_new(protocol.measurement_number(self._of_ours(answer)))
             return decode(answer.values)
 
         details = {"duration_s": duration_s}
@@ -308,7 +308,7 @@ def _ready(answer: protocol.Answer) -> tuple[str, int, str]:
     settings = answer.values.get("settings")
     return (
         ("" if settings is None else protocol.text(answer.values, "settings")),
-        protocol.counted(answer),
+        protocol.newest_measurement(answer),
         answer.serial,
     )
 

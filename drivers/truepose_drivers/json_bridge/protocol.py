@@ -112,17 +112,17 @@ def decode_reply(line: bytes) -> Reply:
     return Answer(number, text(document, "serial"), MappingProxyType(values))
 
 
-def measured(answer: Answer) -> int:
+def measurement_number(answer: Answer) -> int:
     """Return the number of the measurement that an answer is of; raises BridgeError for another unit."""
     if answer.values.get("unit") != UNIT:
         raise BridgeError(
             f"unit is {_shown(answer.values.get('unit'))}: every answer with numbers says"
             f' "unit": "{UNIT}", and is in millimetres'
         )
-    return counted(answer)
+    return newest_measurement(answer)
 
 
-def counted(answer: Answer) -> int:
+def newest_measurement(answer: Answer) -> int:
     """Return the number of the newest measurement; raises BridgeError."""
     return _count(answer.values, "sequence")
 

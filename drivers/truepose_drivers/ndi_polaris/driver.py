@@ -75,7 +75,7 @@ class PolarisTracker(OnePortDevice):
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model, serial number and firmware; older models know VER alone."""
-        who = protocol.identified(protocol.facts(await self._text(_VERSION)), await self._hardware())
+        who = protocol.identity_of(protocol.facts(await self._text(_VERSION)), await self._hardware())
         firmware = " ".join(filter(None, (who.firmware, await self._interface())))
         return DeviceIdentity(
             _MANUFACTURER, who.model or "unknown", who.serial or "unknown", firmware or "unknown"

@@ -221,7 +221,7 @@ def facts(reply: Text) -> dict[str, str]:
     return found
 
 
-def identified(version: Mapping[str, str], info: Mapping[str, str]) -> CameraIdentity:
+def identity_of(version: Mapping[str, str], info: Mapping[str, str]) -> CameraIdentity:
     """Return who the camera is; what GETINFO says goes before what VER says."""
     model, _, revision = version.get("Freeze Tag", "").partition(_REVISION)
     return CameraIdentity(

@@ -232,7 +232,7 @@ class UniversalRobot:
         while True:
             packet = await self._rtde.next()
             if packet.kind is protocol.Kind.TEXT:
-                self._said = protocol.said(packet.payload)
+                self._said = protocol.operator_message(packet.payload)
                 continue
             state = self._state(packet)
             if state.timestamp_s > self._newest_s:

@@ -138,7 +138,7 @@ def text_message(message: str, source: str, level: int) -> Packet:
     return Packet(Kind.TEXT, b"".join(bytes([len(part)]) + part for part in parts) + bytes([level]))
 
 
-def said(payload: bytes) -> str:
+def operator_message(payload: bytes) -> str:
     """Return what the controller says to people."""
     length = payload[0] if payload else 0
     if len(payload) < length + 1 or not payload:

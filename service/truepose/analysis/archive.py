@@ -33,7 +33,7 @@ from truepose.exchange.tables.files import NOT_STATED, Stated
 from truepose.messages.message import Text
 from truepose.storage.backup.transfer import snapshot
 from truepose.storage.database import Database
-from truepose.storage.engine.address import shown_address
+from truepose.storage.engine.address import display_address
 from truepose.storage.plant.overview import CollectedCampaigns
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, IdentificationRecord, Page
 from truepose.storage.results.campaigns import CampaignRepository
@@ -117,7 +117,7 @@ def in_database(url: str) -> Iterator[list[ArchivedCampaign]]:
     ):
         found = [*_own(database, runner), *_collected(database, runner)]
         if not found:
-            raise ConfigurationError(f"{shown_address(url)} holds no campaign.")
+            raise ConfigurationError(f"{display_address(url)} holds no campaign.")
         yield found
 
 

@@ -30,7 +30,7 @@ from truepose.domain.robot import FramePlacement
 from truepose.identification import identify
 from truepose.messages.message import message
 from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, base_fixture
-from truepose.planning.ballbar.length_forecast import known_beforehand
+from truepose.planning.ballbar.length_forecast import forecast_lengths
 from truepose.planning.ballbar.length_targets import aimed_again, coded_or_kept
 from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
 from truepose.planning.ballbar.sphere import plan_sphere
@@ -175,7 +175,7 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: ValidReadings
 def _foreseen_early(
     setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: ValidReadings
 ) -> EarlyForecast | None:
-    known = known_beforehand(setup.cell, plan, kit)
+    known = forecast_lengths(setup.cell, plan, kit)
     return None if known is None else EarlyForecast(known, kit, counting)
 
 

@@ -29,10 +29,10 @@ def compare_over_time(
         raise NeverDiagnosedError(message("refused.never_diagnosed", robot=repr(robot)))
     _check_one_robot(robot, records)
     counting = sorted(_latest(records), key=lambda record: place_in_time(record.measured_at, record.id))
-    return counting, compare(dated(counting))
+    return counting, compare(dated_diagnoses(counting))
 
 
-def dated(records: Iterable[DiagnosisRecord]) -> list[DatedDiagnosis]:
+def dated_diagnoses(records: Iterable[DiagnosisRecord]) -> list[DatedDiagnosis]:
     """Return diagnoses as far as a comparison needs them."""
     return [DatedDiagnosis(record.id, record.measured_at, record.diagnosis) for record in records]
 

@@ -14,7 +14,7 @@ from truepose.analysis.job_queue.supervisor import TaskRefusedError, Turns
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.analysis.jobs import JobService
 from truepose.domain.campaign import Values
-from truepose.exchange.import_wizard.dialogue import Fault, Understood, choices_of, merged
+from truepose.exchange.import_wizard.dialogue import Fault, Understood, choices_of, merge_patch
 from truepose.exchange.import_wizard.files import example_files
 from truepose.exchange.tables.rows import written_text
 from truepose.messages.catalogue import IN_ENGLISH
@@ -83,7 +83,7 @@ class DraftService:
     async def say(self, number: int, said: Mapping[str, Any]) -> Draft:
         """Keep what somebody says of the files; raises NotFoundError."""
         draft = await self.get(number)
-        return await _off_the_loop(self._drafts.keep_choices, number, merged(draft.choices, said))
+        return await _off_the_loop(self._drafts.keep_choices, number, merge_patch(draft.choices, said))
 
     async def understood(self, draft: Draft) -> Understood:
         """Return what is understood of a draft; raises BusyError."""

@@ -9,7 +9,7 @@ from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
 from truepose.analysis.job_queue.supervisor import Perform, Turns
 from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.domain.cell import Cell
-from truepose.storage.caches import DrawnFolder, RenderedPage, drawn_of
+from truepose.storage.caches import DrawnFolder, RenderedPage, rendered_page
 from truepose.version import program_sha256
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class RenderCache:
             return kept
         async with self._turns.taken():
             made = await draw()
-        drawn = drawn_of(made if isinstance(made, bytes) else made.encode())
+        drawn = rendered_page(made if isinstance(made, bytes) else made.encode())
         await asyncio.to_thread(self._folder.keep, named, drawn)
         return drawn
 

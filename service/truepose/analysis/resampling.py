@@ -27,13 +27,13 @@ class DrawsToMake:
     draws: int
 
 
-def drawn(asked: DrawsToMake, seed: np.random.SeedSequence) -> list[FloatArray | None]:
+def draw_parameters(asked: DrawsToMake, seed: np.random.SeedSequence) -> list[FloatArray | None]:
     """Return the parameters of some draws, each with a seed of its own; raises TrueposeError."""
     again = Resampling(stored_campaign(asked.campaign), asked.effects)
     return [again.draw(asked.way, np.random.default_rng(own)) for own in seed.spawn(asked.draws)]
 
 
-def resampled(
+def resample_parameters(
     cluster: Cluster,
     campaign: Campaign,
     effects: tuple[str, ...] | None,
@@ -60,5 +60,5 @@ def resampled(
         Part(f"draws {TOGETHER * k + 1} to {TOGETHER * k + size}", DrawsToMake(content, effects, way, size))
         for k, size in enumerate(sizes)
     ]
-    made: Sequence[list[FloatArray | None]] = cluster.answers(drawn, parts, seed, told)
+    made: Sequence[list[FloatArray | None]] = cluster.answers(draw_parameters, parts, seed, told)
     return fitted.spread(way, [one for some in made for one in some])

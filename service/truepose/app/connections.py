@@ -132,7 +132,7 @@ def _is_loopback(peer: str) -> bool:
 
 
 @contextlib.asynccontextmanager
-async def looked_after(census: Census) -> AsyncIterator[None]:
+async def close_slow_connections(census: Census) -> AsyncIterator[None]:
     """Close slow connections as long as the context lasts, and say so in a line now and then."""
     loop = asyncio.get_running_loop()
     loop.set_exception_handler(lambda loop, context: _on_exception(census, loop, context))

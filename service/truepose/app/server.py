@@ -17,7 +17,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import uvicorn
 
-from truepose.app.connections import Census, Limits, connection_limit, looked_after
+from truepose.app.connections import Census, Limits, close_slow_connections, connection_limit
 from truepose.app.errors import PortInUseError, ScenarioRefusedError, UnsafeStartError
 from truepose.app.http_protocol import WatchedProtocol
 from truepose.app.logs import logged
@@ -31,7 +31,7 @@ from truepose.processes import asked_to_end
 from truepose.settings import Settings
 from truepose.storage.database import Database
 from truepose.storage.engine.address import database_file
-from truepose.storage.secret_files import ReachedService, told_beside
+from truepose.storage.secret_files import ReachedService, publish_endpoint
 from truepose.web.asgi import Application
 from truepose.web.middleware.hosts import AddressError, AllowedHosts, Proxies
 from truepose_drivers.errors import DriverError
@@ -174,7 +174,7 @@ async def _serve(settings: Settings, served: ServiceDefinition[C], lines_lost: C
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
         census = Census(Limits(connection_limit()), proxies.includes)
-        async with served.opened(lines_lost) as context, looked_after(census):
+        async with served.opened(lines_lost) as context, close_slow_connections(census):
             config = uvicorn.Config(
                 served.application(
                     program_version(), lambda: contextlib.nullcontext(context), hosts, proxies
@@ -195,7 +195,7 @@ async def _serve(settings: Settings, served: ServiceDefinition[C], lines_lost: C
             server = _Server(config, _said(context, url), lambda: stop_streams(context))
             with (
                 asked_to_end(server.end),
-                told_beside(context.database.file, _reached(context, url, settings)),
+                publish_endpoint(context.database.file, _reached(context, url, settings)),
             ):
                 telling = asyncio.create_task(keep_telling(), name="service manager")
                 try:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from truepose.cli.files import CampaignPath, Json, Workers, effect_names, read_measured, writing
-from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.messages.catalogue import english
 
@@ -92,7 +92,7 @@ def _computed(
     chosen_effects(effects or ())
     with writing(out):
         work = Archive(campaigns, out, effects, against)
-    with workers(where, len(campaigns)) as cluster, shown_progress() as told:
+    with workers(where, len(campaigns)) as cluster, progress_bar() as told:
         return work.compute(cluster, told)
 
 
@@ -243,13 +243,13 @@ def resample_command(
     Example: truepose resample my-campaign --by noise --draws 2000 --workers dask://10.0.0.5:8786
     """
     from truepose.analysis.parallel.local_pool import workers as chosen
-    from truepose.analysis.resampling import TOGETHER, resampled
+    from truepose.analysis.resampling import TOGETHER, resample_parameters
 
     names = effect_names(effects)
     measured = read_measured(campaign)
     remark(map(english, measured.ignored))
-    with chosen(workers, -(-draws // TOGETHER)) as cluster, shown_progress() as told:
-        spread = resampled(cluster, measured, names, by.value, draws, seed, told)
+    with chosen(workers, -(-draws // TOGETHER)) as cluster, progress_bar() as told:
+        spread = resample_parameters(cluster, measured, names, by.value, draws, seed, told)
     if json:
         from truepose.exchange.results.identification import resampling_document
 

@@ -18,7 +18,7 @@ from truepose.cli.files import (
     writing,
 )
 from truepose.cli.models import checked_model
-from truepose.cli.output import print_json, print_lines, remark, shown_progress
+from truepose.cli.output import print_json, print_lines, progress_bar, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, catalogue
 
@@ -133,7 +133,7 @@ def _corrected(model: "Model", targets: Path, out: Path, asked: "CorrectionReque
     from truepose.exchange.corrections import Rows, correct_file
     from truepose.exchange.document import read_bytes
 
-    with _replacing(out) as stream, shown_progress() as progress:
+    with _replacing(out) as stream, progress_bar() as progress:
 
         def seen(rows: Rows) -> None:
             progress(rows.share, f"{rows.lines[-1]:,} lines" if len(rows.lines) else "")

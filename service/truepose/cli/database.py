@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from truepose.cli.files import Json
-from truepose.cli.output import print_json, print_lines, shown_progress
+from truepose.cli.output import print_json, print_lines, progress_bar
 
 Url = Annotated[
     str | None,
@@ -33,14 +33,14 @@ def verify_command(
 
     Example: truepose verify truepose.sqlite3 --head 4711-K3QF-7ZWD-M2PA-XY5R --json
     """
-    from truepose.storage.engine.address import shown_address
+    from truepose.storage.engine.address import display_address
     from truepose.storage.integrity.head_hash import read_head
     from truepose.storage.integrity.verification import verify_left_at
 
     url = _address(file)
-    database = file if file is not None and "://" not in file else shown_address(url)
+    database = file if file is not None and "://" not in file else display_address(url)
     printed = None if head is None else read_head(head)
-    with shown_progress() as told:
+    with progress_bar() as told:
         verdict = verify_left_at(url, lambda share: told(share, "records"), printed)
     newest = "" if verdict.head is None else verdict.head.text
     if json:
@@ -71,15 +71,15 @@ def backup_command(
     Example: truepose backup backups/monday.sqlite3 --database sqlite:///cell.db
     """
     from truepose.storage.backup.schedule import back_up_at
-    from truepose.storage.engine.address import shown_address
+    from truepose.storage.engine.address import display_address
 
     source = _url(database)
-    with shown_progress() as told:
+    with progress_bar() as told:
         made = back_up_at(source, file, told, replace=replace)
     if json:
         print_json({
             "file": str(made.file),
-            "database": shown_address(source),
+            "database": display_address(source),
             "bytes": made.size_bytes,
             "records": made.head.links,
             "head": made.head.text,
@@ -117,7 +117,7 @@ def restore_command(
     from truepose.cli.output import remark
     from truepose.storage.backup.copying import restore_drafts
     from truepose.storage.backup.schedule import restore_at
-    from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+    from truepose.storage.engine.address import database_file, display_address, is_server, parsed_url
     from truepose.storage.engine.reading import lies_beside
     from truepose.storage.errors import BackupError, DatabaseInUseError
 
@@ -128,7 +128,7 @@ def restore_command(
             raise BackupError("Nothing is laid ready for a server: restore into an empty database of it.")
         return _lay_ready(file, database_file(url), replace=replace, json=json)
     try:
-        with shown_progress() as told:
+        with progress_bar() as told:
             head, aside = restore_at(file, url, told, replace=replace)
     except DatabaseInUseError as error:
         let_it_run = "Or let it run: --at-next-start verifies the copy now and puts it in place then."
@@ -138,7 +138,7 @@ def restore_command(
     kept = None if aside is None else str(aside)
     if json:
         print_json({
-            "database": shown_address(url),
+            "database": display_address(url),
             "records": head.links,
             "head": head.text,
             "kept": kept,
@@ -148,8 +148,8 @@ def restore_command(
         before = "" if kept is None else f" What was there is kept as {kept}."
         brought = f" {drafts} drafts are back." if drafts else ""
         print_lines([
-            f"{shown_address(url)}: {head.links} records restored. Chain head {head.text}.{before}{brought} "
-            f"{_NO_PINS}"
+            f"{display_address(url)}: {head.links} records restored. Chain head {head.text}."
+            f"{before}{brought} {_NO_PINS}"
         ])
     return 0
 
@@ -157,7 +157,7 @@ def restore_command(
 def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
     from truepose.storage.backup.restoring import lay_ready
 
-    with shown_progress() as told:
+    with progress_bar() as told:
         head, ready = lay_ready(file, target, told, replace=replace)
     if json:
         waits = {"database": str(target), "records": head.links, "head": head.text, "waits": str(ready)}
@@ -184,27 +184,27 @@ def copy_command(
     """
     from truepose.cli.output import remark
     from truepose.storage.backup.transfer import transfer
-    from truepose.storage.engine.address import shown_address
+    from truepose.storage.engine.address import display_address
     from truepose.storage.errors import DatabaseInUseError
 
     read, written = _address(source), _address(target)
     try:
-        with shown_progress() as told:
+        with progress_bar() as told:
             head, drafts = transfer(read, written, told)
     except DatabaseInUseError as error:
         remark([str(error)])
         return _SERVICE_FAILED
     if json:
         print_json({
-            "source": shown_address(read),
-            "target": shown_address(written),
+            "source": display_address(read),
+            "target": display_address(written),
             "records": head.links,
             "head": head.text,
             "drafts": drafts,
         })
     else:
         print_lines([
-            f"{shown_address(written)}: {head.links} records, verified, and {drafts} drafts. "
+            f"{display_address(written)}: {head.links} records, verified, and {drafts} drafts. "
             f"Chain head {head.text}."
         ])
     return 0

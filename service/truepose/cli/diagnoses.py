@@ -15,7 +15,7 @@ from truepose.cli.files import (
     require_folders,
     writing,
 )
-from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def _check_known(names: tuple[str, ...] | None) -> None:
 def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagnosis":
     from truepose.diagnosis.diagnose import diagnose
 
-    with shown_progress() as told:
+    with progress_bar() as told:
         return diagnose(campaign, effects, told)
 
 

@@ -16,7 +16,7 @@ from truepose.cli.files import (
     require_folders,
     writing,
 )
-from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
 
@@ -118,7 +118,7 @@ def _compared(
     from truepose.exchange.tables.files import read_visits
 
     work = FleetArchive(campaigns, None if table is None else read_visits(table), out)
-    with workers(where, len(campaigns)) as cluster, shown_progress() as told:
+    with workers(where, len(campaigns)) as cluster, progress_bar() as told:
         work.tell(cluster, told)
     return work.compare(of_type)
 
@@ -132,7 +132,7 @@ def _write_check(
 ) -> list[str]:
     from truepose.analysis.fleets.checks import check_from
     from truepose.exchange.tables.targets import write_configurations
-    from truepose.fleet.interim_check import asked_of, needs_both_directions
+    from truepose.fleet.interim_check import checked_causes, needs_both_directions
     from truepose.fleet.trend import due
 
     limit_mm, grown_mm = limit_and_growth_mm
@@ -140,7 +140,7 @@ def _write_check(
     chosen = check_from(found.account, robot, _last_of(robot, found, campaigns), grown_mm)
     with writing(file):
         write_configurations(file, chosen.joints_rad, chosen.nest)
-    counts = {"number": len(chosen.nest), "causes": len(asked_of(found.account))}
+    counts = {"number": len(chosen.nest), "causes": len(checked_causes(found.account))}
     key = "fleet.check" if chosen.enough else "fleet.check.not_enough"
     told = [words.say(key, robot=robot, grown_mm=grown_mm, **counts)]
     gaps = any(needs_both_directions(one.change.cause) for one in found.account.named)

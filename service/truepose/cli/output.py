@@ -35,7 +35,7 @@ def print_lines(lines: Iterable[str]) -> None:
 
 
 @contextlib.contextmanager
-def shown_progress() -> Iterator[Callable[[float, Text], None]]:
+def progress_bar() -> Iterator[Callable[[float, Text], None]]:
     """Yield what is to be told how far the work is (0 to 1, and what is done); a bar on a terminal only."""
     from rich.console import Console
     from rich.markup import escape

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from truepose.cli.files import Json, Language, Workers, read_measured, require_folders, writing
-from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, catalogue, english
 
@@ -118,7 +118,7 @@ class _Tries:
         from truepose.analysis.best_plan import best_plan
         from truepose.analysis.parallel.local_pool import workers
 
-        with workers(self.where, self.count) as cluster, shown_progress() as told:
+        with workers(self.where, self.count) as cluster, progress_bar() as told:
             plan, seed = best_plan(cluster, planned, n, self.seed, self.count, told)
         remark([f"The plan with seed {seed} has the largest O1 of {self.count}."])
         return plan

@@ -267,12 +267,12 @@ def plant_command(
 
     Example: truepose plant --cells cells.toml --database sqlite:///plant.db --port 8100
     """
-    from truepose.analysis.parallel.addresses import named
+    from truepose.analysis.parallel.addresses import worker_address
     from truepose.app.plants import serve_plant
     from truepose.settings import PlantSettings, Settings
 
     if workers is not None:
-        named(workers)
+        worker_address(workers)
     service = Settings(
         database_url=database,
         host=host,

@@ -3,12 +3,12 @@
 from truepose.correction.joint_targets import (
     correct,
     flange_in_base,
+    goals_of_joints,
     in_world,
-    meant_by_joints,
-    shifted_by,
+    pose_shifts,
     tool_nests_mm,
 )
-from truepose.correction.results import ANY_BRANCH, Corrections, Status, Summary, joined
+from truepose.correction.results import ANY_BRANCH, Corrections, Status, Summary, stack_tables
 from truepose.correction.target_plausibility import OTHER_READINGS, likely_mistake
 from truepose.correction.target_poses import FLANGE, Goals, of_poses
 
@@ -22,11 +22,11 @@ __all__ = [
     "Summary",
     "correct",
     "flange_in_base",
+    "goals_of_joints",
     "in_world",
-    "joined",
     "likely_mistake",
-    "meant_by_joints",
     "of_poses",
-    "shifted_by",
+    "pose_shifts",
+    "stack_tables",
     "tool_nests_mm",
 ]

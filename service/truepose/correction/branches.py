@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.correction.inverse import SearchEnd, attain, merged, replaced
+from truepose.correction.inverse import SearchEnd, attain, nearer_of, with_rows_replaced
 from truepose.correction.target_poses import Goals, beyond, turned_within
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
@@ -232,7 +232,7 @@ def _attain_from(
         # Beside a singularity the answer may lie in the branch that meets this one there: elbow, wrist or
         # side turned over.
         tried = _attain_one_of(arm, rows, again, branch[left] ^ np.array(besides)[:, None])
-        found = merged(found, left, kept(left, tried))
+        found = nearer_of(found, left, kept(left, tried))
     return found
 
 
@@ -299,7 +299,7 @@ def attain_any_branch(estimate: Estimate, goals: Goals, measured: Ranges) -> Sea
             break  # what exists comes first: behind this place there is nothing to try either
         again = attain_from_branch(estimate, goals.taken(left), order[left, place])
         better = np.flatnonzero(_usable(estimate, again))
-        found = replaced(found, left[better], again.taken(better))
+        found = with_rows_replaced(found, left[better], again.taken(better))
     return found
 
 

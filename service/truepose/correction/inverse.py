@@ -161,7 +161,7 @@ class SearchEnd(Table):
         return np.asarray(self.distance <= 1.0)
 
 
-def replaced(found: SearchEnd, rows: IntArray, others: SearchEnd) -> SearchEnd:
+def with_rows_replaced(found: SearchEnd, rows: IntArray, others: SearchEnd) -> SearchEnd:
     """Return what was found with other answers in some rows.
 
     Parameters
@@ -178,7 +178,7 @@ def replaced(found: SearchEnd, rows: IntArray, others: SearchEnd) -> SearchEnd:
     return SearchEnd(**columns)
 
 
-def merged(found: SearchEnd, rows: IntArray, again: SearchEnd) -> SearchEnd:
+def nearer_of(found: SearchEnd, rows: IntArray, again: SearchEnd) -> SearchEnd:
     """Return what was found, of some rows the nearer of two answers.
 
     Parameters
@@ -190,7 +190,7 @@ def merged(found: SearchEnd, rows: IntArray, again: SearchEnd) -> SearchEnd:
         m rows.
     """
     nearer = np.flatnonzero(again.distance < found.distance[rows])
-    return replaced(found, rows[nearer], again.taken(nearer))
+    return with_rows_replaced(found, rows[nearer], again.taken(nearer))
 
 
 def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> SearchEnd:

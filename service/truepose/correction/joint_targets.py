@@ -11,13 +11,13 @@ from typing import Final
 import numpy as np
 
 from truepose.correction.branches import NominalArm, Ranges, attain_any_branch, attain_branch
-from truepose.correction.inverse import SearchEnd, attain, merged, replaced
-from truepose.correction.results import ANY_BRANCH, Corrections, joined, judged
+from truepose.correction.inverse import SearchEnd, attain, nearer_of, with_rows_replaced
+from truepose.correction.results import ANY_BRANCH, Corrections, judge_searches, stack_tables
 from truepose.correction.target_poses import FAR_RAD, FLANGE, Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model
-from truepose.domain.last_moves import told_moves
+from truepose.domain.last_moves import with_moves
 from truepose.identification.model.estimates import (
     Estimate,
     check_nests,
@@ -60,7 +60,7 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     check_branches(model.robot, asked[~_told(goals) & (asked != ANY_BRANCH)])
     estimate = with_flange(identified_estimate(model))
     # Before the table is split: the last move to a target is from the one before it in time.
-    stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
+    stops, nest = with_moves(goals.stops), numbered_nests(model, goals.nest)
     numbered = replace(goals, stops=stops, nest=nest)
     rows = np.arange(len(goals))
     parts = [
@@ -68,7 +68,7 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
         # In parts, as derivatives of all targets at once would be held in memory together.
         for some in np.split(rows, range(_AT_ONCE, len(rows), _AT_ONCE))
     ]
-    return joined(parts)
+    return stack_tables(parts)
 
 
 def in_world(model: Model, goals: Goals) -> Goals:
@@ -100,7 +100,7 @@ def flange_in_base(model: Model, goals: Goals) -> FloatArray:
     return _arm(model).flange(replace(goals, nest=numbered_nests(model, goals.nest)))
 
 
-def meant_by_joints(model: Model, stops: Stops) -> Goals:
+def goals_of_joints(model: Model, stops: Stops) -> Goals:
     """Return goals, in the world, where the controller itself has the last frame at these stops.
 
     Parameters
@@ -130,7 +130,7 @@ def tool_nests_mm(model: Model) -> FloatArray:
     return _arm(model).nests_mm[:-1]
 
 
-def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+def pose_shifts(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return by how much a correction shifts the poses that the controller is handed.
 
     Parameters
@@ -193,10 +193,10 @@ def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) ->
     rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
     # Where a branch was asked for, an answer in another one is none (docs/decisions/0071): the posture is
     # what keeps the arm clear of the cell.
-    found = replaced(found, rows, attain_branch(estimate, goals.taken(rows), asked[rows]))
+    found = with_rows_replaced(found, rows, attain_branch(estimate, goals.taken(rows), asked[rows]))
     rows = np.flatnonzero(~told & (asked == ANY_BRANCH))
-    found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows), _measured(model)))
-    return judged(model, estimate, goals, found, told)
+    found = with_rows_replaced(found, rows, attain_any_branch(estimate, goals.taken(rows), _measured(model)))
+    return judge_searches(model, estimate, goals, found, told)
 
 
 def _told(goals: Goals) -> BoolArray:
@@ -243,8 +243,10 @@ def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> SearchEnd:
     first = near(arm.kept_to(branch, found.taken(rows)))
     left = np.flatnonzero(~first.arrived)
     again = attain_branch(estimate, goals.taken(left), branch[left])
-    turned = replaced(first, left, replace(again, joints_rad=_turned_to(again.joints_rad, start[left])))
-    return replaced(found, rows, merged(first, left, near(turned).taken(left)))
+    turned = with_rows_replaced(
+        first, left, replace(again, joints_rad=_turned_to(again.joints_rad, start[left]))
+    )
+    return with_rows_replaced(found, rows, nearer_of(first, left, near(turned).taken(left)))
 
 
 def _turned_to(joints_rad: FloatArray, near_rad: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ from truepose.identification.model.estimates import identified_estimate, nominal
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.prediction import placed_variance
 from truepose.identification.model.validity import require_same_robot
-from truepose.identification.verdict.judge import expected_noise_mm, mean_norm, observed, statistics
+from truepose.identification.verdict.judge import expected_noise_mm, mean_norm, observation_block, statistics
 from truepose.identification.verdict.pose_errors import relative_statistics
 from truepose.messages.message import Message, message
 from truepose.planning.tracker.plans import plan_validation
@@ -333,7 +333,7 @@ def _expected(model: Model, state: State, readings: PointReadings, scatter_mm: f
 
     The model's variance contains its own robot's repeatability, in whose place comes that of this cell's arm.
     """
-    block = observed(readings, scatter_mm, structure_of(model))
+    block = observation_block(readings, scatter_mm, structure_of(model))
     own = placed_variance(model, state) - model.repeatability_mm**2 + scatter_mm**2
     promised = mean_norm(block.covariance() + own[:, None, None] * np.eye(3))
     return expected_noise_mm(block), promised

@@ -89,7 +89,7 @@ def _drawn(ranges: tuple[JointRange, ...], rng: np.random.Generator) -> FloatArr
     return rng.uniform(low, high, (_DRAWN, len(ranges)))
 
 
-def placed(model: Model, targets: Targets) -> FloatArray:
+def nest_positions(model: Model, targets: Targets) -> FloatArray:
     """Return where the model says that the nests are, shape (n, 3) [mm], world.
 
     Parameters
@@ -136,7 +136,7 @@ def zone_error(model: Model, targets: Targets, other: Callable[[Targets], FloatA
     other : callable
         Targets to places (n, 3) [mm], world.
     """
-    apart = np.linalg.norm(other(targets) - placed(model, targets), axis=1)
+    apart = np.linalg.norm(other(targets) - nest_positions(model, targets), axis=1)
     return ZoneError(float(apart.mean()), float(apart.max()))
 
 
@@ -223,7 +223,7 @@ def _as_readings(model: Model, targets: Targets) -> Campaign:
     """Return a campaign whose readings are the model's own predictions, of a robot without scatter."""
     stops = replace(targets.stops, direction=None)
     stated = np.full(len(targets), _STATED_MM)
-    readings = PointReadings(stops, targets.nest, placed(model, targets), stated)
+    readings = PointReadings(stops, targets.nest, nest_positions(model, targets), stated)
     # Places of a model do not scatter.
     robot = replace(model.robot, repeatability_mm=0.0)
     return Campaign(robot, None, tuple(Nest(None) for _ in model.nests), calibration=readings)

@@ -82,7 +82,7 @@ class Corrections(Table):
         return np.isin(self.status, CORRECTED)
 
 
-def joined(parts: list[Corrections]) -> Corrections:
+def stack_tables(parts: list[Corrections]) -> Corrections:
     """Return tables one below the other.
 
     Parameters
@@ -94,7 +94,9 @@ def joined(parts: list[Corrections]) -> Corrections:
     return Corrections(**{name: np.concatenate(column) for name, column in columns.items()})
 
 
-def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, told: BoolArray) -> Corrections:
+def judge_searches(
+    model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, told: BoolArray
+) -> Corrections:
     """Judge where searches ended.
 
     Parameters

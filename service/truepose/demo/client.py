@@ -26,7 +26,7 @@ _PAGE: Final = 500
 
 
 @contextlib.asynccontextmanager
-async def connected(url: str) -> AsyncIterator["ServiceClient"]:
+async def open_client(url: str) -> AsyncIterator["ServiceClient"]:
     """Open a client; raises ServiceFailedError where the service stops answering in the meantime."""
     try:
         # trust_env off: a proxy for the world's traffic has nothing to do with loopback.

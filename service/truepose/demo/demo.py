@@ -11,7 +11,7 @@ from rich.table import Table
 
 from truepose.demo.errors import DemoError, UnusableScenarioError
 from truepose.demo.processes import DATABASE
-from truepose.demo.progress import RunProgress, shown_progress
+from truepose.demo.progress import RunProgress, progress_bar
 from truepose.demo.report import REPORT, diagnosis_lines, write_diagnosis, write_report
 from truepose.demo.run import CAMPAIGN_FOLDER, MODEL_FILE, CellRequest, CellRun, run_cell
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
@@ -144,7 +144,7 @@ def run_demo(out: Path, seed: int, scenario: str, size: DemoSize | None = None) 
     out.mkdir(parents=True, exist_ok=True)
     amount = size or (_OF_POSES if reads_poses(scenario) else DemoSize())
     request = CellRequest(scenario, seed, amount.calibration, amount.validation)
-    with shown_progress() as progress:
+    with progress_bar() as progress:
         try:
             judged = _run(request, out, progress)
         except DemoError as error:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.client import ServiceClient, connected
+from truepose.demo.client import ServiceClient, open_client
 from truepose.demo.errors import ServiceFailedError, UnusableScenarioError
 from truepose.processes import in_own_group, kill_group
 
@@ -105,6 +105,6 @@ async def opened_cell(
     `scenario` is a shipped name or a file; `killed` as of `running_service`. Raises DemoError.
     """
     service = SimulatedService(scenario, seed, folder / DATABASE, folder / SERVICE_LOG)
-    async with running_service(service, killed=killed) as url, connected(url) as client:
+    async with running_service(service, killed=killed) as url, open_client(url) as client:
         await client.connect_devices()
         yield client

@@ -48,7 +48,7 @@ class RunProgress:
 
 
 @contextlib.contextmanager
-def shown_progress() -> Iterator[RunProgress]:
+def progress_bar() -> Iterator[RunProgress]:
     """Show progress on standard error while the context lasts."""
     console = Console(stderr=True, highlight=False)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.demo.client import ServiceClient, connected
+from truepose.demo.client import ServiceClient, open_client
 from truepose.demo.errors import TruthUnknownError
 from truepose.demo.processes import DATABASE, SERVICE_LOG, SimulatedService, running_service
 from truepose.demo.progress import RunProgress
-from truepose.demo.truth import TrueReadings, cell_endpoint, shown_artefact, true_poses
+from truepose.demo.truth import TrueReadings, camera_artefact, cell_endpoint, true_poses
 from truepose.domain.campaign import Campaign
 from truepose.domain.cell import Cell
 from truepose.domain.identification import Model
@@ -83,7 +83,7 @@ async def run_cell(request: CellRequest, out: Path, progress: RunProgress) -> Ce
     """
     service = SimulatedService(request.scenario, request.seed, out / DATABASE, out / SERVICE_LOG)
     progress.doing = "starting the service and its cell"
-    async with running_service(service) as url, connected(url) as client:
+    async with running_service(service) as url, open_client(url) as client:
         await client.end_left_sessions()
         await client.connect_devices()
         endpoints = await _endpoints(client)
@@ -194,7 +194,7 @@ async def _truth(address: tuple[str, int], campaign: Campaign, cell: Cell) -> Tr
     if campaign.calibration is None or campaign.validation is None:
         raise TruthUnknownError("The campaign has no readings whose truth could be asked.")
     async with cell_endpoint(*address) as endpoint:
-        shown = shown_artefact(cell)
+        shown = camera_artefact(cell)
         if shown is not None:
             return await true_poses(endpoint, campaign.calibration, campaign.validation, shown)
         return TrueReadings(

@@ -99,7 +99,7 @@ class ShownArtefact:
     centre_mm: FloatArray  # (3,)
 
 
-def shown_artefact(cell: Cell) -> ShownArtefact | None:
+def camera_artefact(cell: Cell) -> ShownArtefact | None:
     """Return what the camera of a cell is shown; None in a cell whose tracker reads points."""
     camera = cell.camera
     if camera is None:

@@ -64,7 +64,9 @@ class RivalComparison:
     rivals: tuple[Cause, ...]
 
 
-def weighed(selected: Selection, group: tuple[Candidate, ...], *, structure_left: bool) -> RivalComparison:
+def weigh_alternatives(
+    selected: Selection, group: tuple[Candidate, ...], *, structure_left: bool
+) -> RivalComparison:
     """Weigh the picks of one cause and subject against everything else that was tried.
 
     Parameters

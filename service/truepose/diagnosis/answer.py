@@ -10,9 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.diagnosis.alternatives import RivalComparison, ruled_out, weighed
+from truepose.diagnosis.alternatives import RivalComparison, ruled_out, weigh_alternatives
 from truepose.diagnosis.baseline_fit import NUISANCE, Start, scene_of
-from truepose.diagnosis.confidence import SelectionTests, better_families, parted, standing, with_open_shapes
+from truepose.diagnosis.confidence import (
+    SelectionTests,
+    better_families,
+    split_by_size,
+    standing,
+    with_open_shapes,
+)
 from truepose.diagnosis.curves import (
     ValidationFit,
     curve_with_unseen,
@@ -25,16 +31,16 @@ from truepose.diagnosis.evidence.held_out_errors import CrossValidation, Improve
 from truepose.diagnosis.evidence.residual_structure import (
     Relation,
     Remainder,
-    accused,
-    speak_against,
+    fixed_nests_contradict,
+    instrument_suspects,
 )
 from truepose.diagnosis.evidence.sensitivities import CompleteModel, description_of, worth_of
-from truepose.diagnosis.evidence.signature_functions import described
+from truepose.diagnosis.evidence.signature_functions import signatures_in_data
 from truepose.diagnosis.next_measurements import next_measurements
-from truepose.diagnosis.reading_faults import gathered
+from truepose.diagnosis.reading_faults import shared_properties
 from truepose.diagnosis.reading_findings import readings_found
 from truepose.diagnosis.screening.refinement import with_known_orders
-from truepose.diagnosis.screening.selection import Choice, Propose, Selection, names_of, refitted
+from truepose.diagnosis.screening.selection import Choice, Propose, Selection, names_of, refit_picks
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import (
@@ -51,7 +57,7 @@ from truepose.domain.identification import Model
 from truepose.effects.causes import Candidate, Description, Scene
 from truepose.effects.frames.tool_certificate import NAME as CERTIFICATE
 from truepose.effects.signatures import of_instrument, signature_of
-from truepose.identification.fit.assessment import considered
+from truepose.identification.fit.assessment import propagate_certificates
 from truepose.identification.fit.inadequacy import shortfall, typical_mm
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
@@ -107,7 +113,7 @@ class _Answer:
         return self.found if self.whole is None or self.tested.left.contradicted else self.whole.fit
 
 
-def answered(
+def assemble_answer(
     start: Start,
     first: Choice,
     selected: Selection,
@@ -170,8 +176,8 @@ def _whole(start: Start, tested: SelectionTests, judging: CrossValidation) -> Co
     groups = tuple(group for _, group in tested.groups)
     if in_time or not (tested.left.structure and judging.asks_for_description(groups)):
         return None
-    found = described(tested.selected.pool, tested.selected.picks)
-    return CompleteModel(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
+    found = signatures_in_data(tested.selected.pool, tested.selected.picks)
+    return CompleteModel(refit_picks(start.fit, tested.selected.fit, found.candidates), found.candidates)
 
 
 def _in_folds(tested: SelectionTests, judging: CrossValidation, whole: CompleteModel | None) -> Improvement:
@@ -234,7 +240,7 @@ def _with_doubts(tested: SelectionTests) -> Remainder:
 
 def _with_shared(start: Start, left: Remainder) -> Remainder:
     """Add what bad readings share. No description holds it: they have no weight in it."""
-    shared = gathered(start.scene, left.tails.bad)
+    shared = shared_properties(start.scene, left.tails.bad)
     if shared is None or shared.on.variable in {one.variable for one in left.depends}:
         return left
     added = Relation(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
@@ -248,7 +254,7 @@ def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]
     whole = None if left.contradicted else answer.whole
     readings = readings_found(start, selected, left, judged)
     found = (*_findings(answer), *(one for one in readings if one.effect not in without))
-    findings, small = parted(found)
+    findings, small = split_by_size(found)
     remaining = Remaining(
         structure=left.structure,
         depends_on=tuple(
@@ -297,7 +303,8 @@ def _findings(answer: _Answer) -> tuple[Finding, ...]:
     """Return the findings, those that explain most first."""
     structured = answer.tested.left.structure
     scales = [
-        weighed(answer.tested.selected, group, structure_left=structured) for _, group in answer.tested.groups
+        weigh_alternatives(answer.tested.selected, group, structure_left=structured)
+        for _, group in answer.tested.groups
     ]
     # Where all findings explain 0, their shares are 0 instead of a division by zero.
     total = sum(scale.explained for scale in scales) or 1.0
@@ -317,9 +324,9 @@ def _finding(answer: _Answer, index: int, scale: RivalComparison, share: float) 
     cell = signature_of(group[0]._replace(subject=subject))
     # Beside structure that nothing explains, no name is sure: the true cause may be in no library.
     helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
-    against = speak_against(answer.tested.selected.fit, cell)
+    against = fixed_nests_contradict(answer.tested.selected.fit, cell)
     sure = helps and not scale.rivals and not shown.impossible and not against
-    instead = accused(answer.tested.selected, cell) if against else ()
+    instead = instrument_suspects(answer.tested.selected, cell) if against else ()
     curve = finding_curve(answer.tested.selected, answer.start.scene, group)
     return Finding(
         effect=group[0].effect,
@@ -364,7 +371,7 @@ def _model(answer: _Answer) -> Model:
     plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
     nominal = nominal_fit(start.problem, start.fit)
     honest = with_open_shapes(plain, answer.found)
-    fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
+    fits = Fits(start.campaign, honest, nominal, propagate_certificates(start.campaign, honest).total)
     short = shortfall(honest, start.problem.setting)
     # Lengths have no functions beside them. Of positions, folds that choose anew state two to three times too
     # much (decision 0044).

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.diagnosis.angle_steps import AngleSteps, telling_steps, with_steps
-from truepose.diagnosis.reading_faults import gathered, swapped_labels
+from truepose.diagnosis.reading_faults import shared_properties, swapped_labels
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.identification import Status
@@ -136,7 +136,7 @@ class Start:
     doubt: Text = ""
 
 
-def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | Text:
+def fit_baseline(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | Text:
     """Fit the present model to a campaign.
 
     Parameters
@@ -176,7 +176,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
     status, message = verdict.outcome(corrected, problem, fitted)
     scene = scene_of(problem, fitted)
     if status is Status.OUTLIERS_DOMINATE:
-        shared = gathered(scene, fitted.gross[0])
+        shared = shared_properties(scene, fitted.gross[0])
         doubt = together(message, shared.sentence) if shared else message
         # A cause that moves many readings at once makes outliers of them; with every reading counted it
         # can still be seen. Measured: a zero that jumps by 0.03 deg after two thirds of the readings is then

@@ -14,9 +14,9 @@ import numpy as np
 from truepose.diagnosis.evidence.sensitivities import (
     Sensitivities,
     effect_of,
-    moved_by,
     of_body,
     of_joint,
+    parameter_effects,
     seen,
     state_of,
     values_of,
@@ -321,7 +321,7 @@ def shape_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...])
     if not all(largest):
         return None
     at_most = [term._replace(weight=most) for term, most in zip(terms, largest, strict=True)]
-    columns = moved_by(selected, at_most, len(names))
+    columns = parameter_effects(selected, at_most, len(names))
     most = _by_parameter(at_most, len(names), 1)
     values, covariance = values_of(selected, names)
     shares = _by_parameter(terms, len(names), len(axis.x)) / most

@@ -37,9 +37,9 @@ from truepose.diagnosis.evidence.residual_structure import (
     Relation,
     Remainder,
     as_random_effect,
-    left_by,
     prepared_families,
-    structured,
+    residual_dependence,
+    test_families,
 )
 from truepose.diagnosis.evidence.sensitivities import description_of
 from truepose.diagnosis.screening.normal_equations import NormalEquations, Products, Projection, products_of
@@ -48,9 +48,9 @@ from truepose.diagnosis.screening.selection import (
     Group,
     Propose,
     Selection,
-    grouped,
+    group_by_subject,
     names_of,
-    reselected,
+    reselect,
 )
 from truepose.diagnosis.screening.significance import chance_beside
 from truepose.domain.arrays import FloatArray
@@ -154,7 +154,7 @@ def better_families(
     if best is None or best[0] < named + _CLEARLY:
         return ()
     _, family, products = best
-    (alone,) = structured(((family, products),), past)
+    (alone,) = test_families(((family, products),), past)
     chance = min(1.0, len(families) * alone.p_value)
     return (Relation(family.variable, chance, family.kind, family.joint, family, products=products),)
 
@@ -236,7 +236,7 @@ def standing(
         # A refuted cause would otherwise come back as structure: its single waves are in the pool again.
         refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
-        selected = reselected(start.fit, tested.selected, kept, propose)
+        selected = reselect(start.fit, tested.selected, kept, propose)
         tested = _tested(start, selected, judging, without, refuted)
     return tested, withdrawn
 
@@ -249,11 +249,11 @@ def _tested(
     refuted: frozenset[Cause],
 ) -> SelectionTests:
     """Return a selection with its groups, its judgement by cross-validation, and what it leaves."""
-    groups = grouped(selected.picks)
+    groups = group_by_subject(selected.picks)
     judged = judging.of(selected, tuple(group for _, group in groups))
     families = prepared_families(selected.fit, start.scene)
     return SelectionTests(
-        selected, groups, judged, families, left_by(start, selected, families, without, refuted)
+        selected, groups, judged, families, residual_dependence(start, selected, families, without, refuted)
     )
 
 
@@ -323,7 +323,7 @@ def _withdrawal(start: Start, tested: SelectionTests, index: int) -> Message:
 _SMALL = 0.02  # of the held-out error
 
 
-def parted(findings: tuple[Finding, ...]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
+def split_by_size(findings: tuple[Finding, ...]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
     """Return findings that count as causes, and those that are small.
 
     Parameters

@@ -90,7 +90,9 @@ def joint_limits(start: Start) -> Ranges | None:
     )
 
 
-def drawn(start: Start, selected: Selection, ranges: Ranges, count: int, rng: np.random.Generator) -> Places:
+def draw_configurations(
+    start: Start, selected: Selection, ranges: Ranges, count: int, rng: np.random.Generator
+) -> Places:
     """Draw configurations evenly within ranges.
 
     Parameters

@@ -36,11 +36,11 @@ from truepose.diagnosis.evidence.sensitivities import (
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Curve, CurvePoints, Spectrum
-from truepose.domain.singular_covariance import solved
+from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.causes import Candidate, FittedCause, Scene
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.effects.signatures import drawn_as
+from truepose.effects.signatures import curve_kind
 from truepose.effects.waves import spectrum
 from truepose.identification.distributions import WITHIN_95
 from truepose.identification.model.evaluation import rows_of
@@ -80,7 +80,7 @@ def finding_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...
         None where no reading feels it. Where the cause's own variable is unknown, the curve is that of
         agreement.
     """
-    draw = DRAWN_BY.get(drawn_as(group[0].effect))
+    draw = DRAWN_BY.get(curve_kind(group[0].effect))
     own = None if draw is None else draw(selected, scene, group)
     return own or agreement_curve(selected, group)
 
@@ -167,7 +167,7 @@ def _smooth(selected: Selection, axis: Axis, way: _Way) -> tuple[float, Curve] |
         line_band=band,
     )
     # c^T C^-1 c, the sum of squares that a line through nothing would leave more; what it is compared by.
-    taken = float(coefficients @ solved(covariance, coefficients))
+    taken = float(coefficients @ solve_singular(covariance, coefficients))
     return taken, curve
 
 
@@ -248,7 +248,7 @@ class ValidationFit:
         -------
         Curve
         """
-        if drawn_as(group[0].effect) in _MEASURED_BY_THEIR_READINGS:
+        if curve_kind(group[0].effect) in _MEASURED_BY_THEIR_READINGS:
             return curve
         there = finding_curve(self.selected, self.scene, group)
         if there is None or (there.variable, there.quantity) != (curve.variable, curve.quantity):

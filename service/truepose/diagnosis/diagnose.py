@@ -8,9 +8,9 @@ so that the same readings get the same answer.
 from collections.abc import Callable
 from dataclasses import replace
 
-from truepose.diagnosis.answer import answered, unanswerable
-from truepose.diagnosis.baseline_fit import Start, scene_of, stands, started
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.answer import assemble_answer, unanswerable
+from truepose.diagnosis.baseline_fit import Start, fit_baseline, scene_of, stands
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.refinement import with_exact_moments, with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
 from truepose.domain.campaign import Campaign
@@ -59,17 +59,17 @@ def diagnose(
     tell(0.02, message("job.doing.fitting"))
     # What no place of the arm gives leaves before anything is squared; left in, it would spoil the first fit.
     reached = within_reach(with_last_moves(campaign))
-    start = started(reached.campaign, effects, relabel=LABEL_SWAP not in without)
+    start = fit_baseline(reached.campaign, effects, relabel=LABEL_SWAP not in without)
     if not isinstance(start, Start):
         return unanswerable(campaign, effects or (), start)
 
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
         """Propose all causes again, for the model as it is fitted by now."""
-        return proposed(scene_of(start.problem, fit), without)
+        return propose_candidates(scene_of(start.problem, fit), without)
 
     tell(0.1, message("job.doing.screening"))
     # `first` is kept whole: the folds of the cross-validation choose anew from the same linearisation.
-    first = chosen(pooled(start.fit, propose(start.fit)))
+    first = chosen(pool_candidates(start.fit, propose(start.fit)))
     selected = select(
         first, propose, lambda share: tell(0.1 + 0.5 * share, message("job.doing.choosing_causes"))
     )
@@ -81,11 +81,11 @@ def diagnose(
     if start.doubt and not (selected.picks and stands(start, selected.fit)):
         return unanswerable(campaign, effects or (), start.doubt)
     tell(0.6, message("job.doing.judging_unseen"))
-    answer = answered(start, first, selected, propose, without, tell)
+    answer = assemble_answer(start, first, selected, propose, without, tell)
     return replace(answer, message=together(answer.message, reached.sentence))
 
 
-def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
+def propose_candidates(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
     """Return every way in which every known cause may be present in these data.
 
     Parameters

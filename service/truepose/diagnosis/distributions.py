@@ -74,7 +74,7 @@ def normal_exceeded(deviate: Numbers) -> FloatArray:
     return np.asarray(ndtr(np.negative(deviate)))
 
 
-def so_many_drawn(reached: int, drawn: int, marked: int, total: int) -> float:
+def hypergeometric_tail(reached: int, drawn: int, marked: int, total: int) -> float:
     """Return the chance of at least `reached` marked ones in a draw without replacement: hypergeometric tail.
 
     Parameters

@@ -19,7 +19,7 @@ from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.configurations import (
     Places,
     Ranges,
-    drawn,
+    draw_configurations,
     filling,
     joint_limits,
     measured_ranges,
@@ -184,7 +184,7 @@ def next_measurements(
     if not pairs and not left.depends:
         return (_revisit(start),) if unseen else ()
     rng = np.random.default_rng(_SEED)
-    places = drawn(start, selected, measured_ranges(start), _PLACES, rng)
+    places = draw_configurations(start, selected, measured_ranges(start), _PLACES, rng)
     found = _by_action(start, pairs)
     for finding in findings:
         own = _cause(finding)
@@ -249,7 +249,7 @@ def _by_configuration(
     found, left = _exposed(duel, rivals, places)
     found = [*_unbent(duel, rivals), *found]
     if left and limits is not None:
-        beyond = drawn(duel.start, duel.selected, limits, _PLACES, rng)
+        beyond = draw_configurations(duel.start, duel.selected, limits, _PLACES, rng)
         more, left = _exposed(duel, left, beyond)
         found += [replace(one, sentence=together(one.sentence, _BEYOND)) for one in more]
     # Repeats last: they cost a reading each, and against what the model lacks they do not help at all.

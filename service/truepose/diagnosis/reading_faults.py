@@ -30,10 +30,10 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import gammaln
 
-from truepose.diagnosis.distributions import chi2_log_density, so_many_drawn
+from truepose.diagnosis.distributions import chi2_log_density, hypergeometric_tail
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import PointReadings
-from truepose.effects.causes import Scene, varied
+from truepose.effects.causes import Scene, has_spread
 from truepose.effects.motions import spoken
 from truepose.effects.names import joint_subject
 from truepose.identification.fit.robust import RobustFit
@@ -240,7 +240,7 @@ class _Shared(NamedTuple):
     by_stop: bool
 
 
-def gathered(scene: Scene, bad: BoolArray) -> OutlierCluster | None:
+def shared_properties(scene: Scene, bad: BoolArray) -> OutlierCluster | None:
     """Return what the bad readings share beyond chance.
 
     Parameters
@@ -276,14 +276,14 @@ def _chance(config: IntArray, bad: BoolArray, shared: _Shared) -> float:
         # A stop that was read at three nests while something was loose is one misfortune, not three.
         _, first = np.unique(config, return_index=True)
         bad, marked = np.isin(config[first], config[bad]), marked[first]
-    return so_many_drawn(int((bad & marked).sum()), int(bad.sum()), int(marked.sum()), len(bad))
+    return hypergeometric_tail(int((bad & marked).sum()), int(bad.sum()), int(marked.sum()), len(bad))
 
 
 def _shareable(scene: Scene) -> Iterator[_Shared]:
     """Yield everything that readings may share."""
     yield from _nests(scene)
     time_s, turns_deg = scene.stops.time_s, np.rad2deg(scene.stops.joints_rad.T)
-    if time_s is not None and varied(time_s):
+    if time_s is not None and has_spread(time_s):
         yield from _times(time_s - scene.origin_s)
     for joint, turn_deg in enumerate(turns_deg):
         yield from _angles(joint, turn_deg)

@@ -12,7 +12,7 @@ import numpy as np
 from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of, validation_block
 from truepose.diagnosis.evidence.residual_structure import Remainder
-from truepose.diagnosis.reading_faults import gathered
+from truepose.diagnosis.reading_faults import shared_properties
 from truepose.diagnosis.screening.selection import Selection
 from truepose.domain.arrays import BoolArray
 from truepose.domain.campaign import sites
@@ -104,7 +104,7 @@ def _bad(start: Start, selected: Selection, left: Remainder, judged: Improvement
     if not (far or left.structure):
         return (finding,)
     swapped = tuple(Cause(LABEL_SWAP, subject) for subject in _pairs(start)) if far else ()
-    shared = gathered(start.scene, bad)
+    shared = shared_properties(start.scene, bad)
     sentence = together(finding.sentence, shared.sentence) if shared else finding.sentence
     # Far readings may be of another nest; and beside something that is left, they may be part of it.
     doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)

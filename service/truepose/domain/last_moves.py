@@ -36,10 +36,10 @@ def with_last_moves(campaign: Campaign) -> Campaign:
 
 
 def _told(readings: _Readings | None) -> _Readings | None:
-    return None if readings is None else replace(readings, stops=told_moves(readings.stops))
+    return None if readings is None else replace(readings, stops=with_moves(readings.stops))
 
 
-def told_moves(stops: Stops) -> Stops:
+def with_moves(stops: Stops) -> Stops:
     """Return stops that say how far each joint came, as far as their times tell it.
 
     Parameters

@@ -23,7 +23,7 @@ _ROUNDING: Final = 1e-13  # of the largest variance in units of the standard dev
 _LOST_PIVOT: Final = 1e-7  # of the root of such a matrix: its square is at rounding
 
 
-def solved(covariance: FloatArray, right: FloatArray) -> FloatArray:
+def solve_singular(covariance: FloatArray, right: FloatArray) -> FloatArray:
     """Return C^+ r: the solution of C x = r, in the determined subspace where C is singular.
 
     Parameters

@@ -369,7 +369,7 @@ def _spread_along(vector: FloatArray, covariance: FloatArray) -> float:
     return float(np.sqrt(max(float(along @ covariance @ along), 0.0)))
 
 
-def varied(column: FloatArray | IntArray | None) -> bool:
+def has_spread(column: FloatArray | IntArray | None) -> bool:
     """Say whether a column is there and takes more than one known value.
 
     Parameters

@@ -76,7 +76,7 @@ def drift_terms(names: tuple[str, ...], rows: Rows, port: Callable[[int], Port])
     return [Term(k, port(component), ways[prefix]) for k, (prefix, component) in enumerate(split)]
 
 
-def goes_on(names: tuple[str, ...]) -> bool:
+def is_endless_drift(names: tuple[str, ...]) -> bool:
     """Say whether one of the shapes has no end of its own: an even drift, which a made model holds."""
     return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
 

@@ -19,7 +19,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Detail
 from truepose.domain.identification import Unit
-from truepose.effects.causes import FittedCause, Scene, norm_with_uncertainty, varied
+from truepose.effects.causes import FittedCause, Scene, has_spread, norm_with_uncertainty
 from truepose.effects.ports import ParameterSpec, Port, Rows, Term
 from truepose.messages.message import Message, Text, message
 
@@ -83,7 +83,7 @@ def duration_s(scene: Scene) -> float:
 
 def without_times(scene: Scene) -> Text | None:
     """Return why nothing that runs in time can be seen, None where it can."""
-    if varied(scene.stops.time_s):
+    if has_spread(scene.stops.time_s):
         return None
     return message("unseen.no_times")
 

@@ -143,7 +143,7 @@ def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
     return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
 
 
-def goes_on(effect: str, names: tuple[str, ...]) -> bool:
+def is_unbounded_in_time(effect: str, names: tuple[str, ...]) -> bool:
     """Say whether such parameters of an effect move things ever further in time.
 
     Raises
@@ -212,7 +212,7 @@ def _perhaps_automatic() -> Mapping[str, Automatic]:
     return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Automatic)}
 
 
-def left_open_by(
+def undetermined_by_construction(
     effects: Sequence[str], names: tuple[str, ...], setting: Setting
 ) -> tuple[NotIdentifiable, ...]:
     """Return what effects leave open by their construction beside the parameters of a whole model.

@@ -97,7 +97,7 @@ def amplitude_of(effect: str) -> str:
     return "largest departure, as its sentence says" if declared is None else declared.amplitude
 
 
-def drawn_as(effect: str) -> Drawn:
+def curve_kind(effect: str) -> Drawn:
     """Return which curve shows a cause over the readings."""
     return (_declared(effect) or _UNKNOWN).drawn
 

@@ -12,9 +12,9 @@ from truepose.correction import (
     Goals,
     Summary,
     correct,
+    goals_of_joints,
     in_world,
     likely_mistake,
-    meant_by_joints,
 )
 from truepose.domain.arrays import IntArray
 from truepose.domain.correction import CorrectionTotals, UncorrectedTarget
@@ -172,7 +172,7 @@ def _parts(model: Model, name: str, data: TableData, asked: CorrectionRequest) -
 
 def _goals(model: Model, part: Targets, meant: TargetConventions | None) -> Goals:
     if part.poses is None:
-        return meant_by_joints(model, part.stops)
+        return goals_of_joints(model, part.stops)
     return in_world(model, part.poses) if meant is TargetConventions.BASE else part.poses
 
 

@@ -33,7 +33,13 @@ from truepose.fleet.candidate_changes import (
 from truepose.fleet.causes import AgeingCause, robot_causes
 from truepose.fleet.instrument_scales import InstrumentDays
 from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
-from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
+from truepose.fleet.outlying_campaigns import (
+    OutlyingCampaign,
+    best_fitting_robots,
+    birge_ratios,
+    most_unlike,
+    unlike,
+)
 from truepose.fleet.trials import Change, Scope, Score, Trial, seen_of
 from truepose.identification.distributions import chi2_exceeded
 
@@ -154,7 +160,7 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     sought.drop_instruments_by_chance()
     estimated, found = sought.estimated, sought.found
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
-    others = resembled(fleet, sought.unlike, estimated.variances)
+    others = best_fitting_robots(fleet, sought.unlike, estimated.variances)
     tries = _tries(causes, sought.trials, level)
     return Account(sought.fleet, estimated, sought.ratios, named, tries, others)
 

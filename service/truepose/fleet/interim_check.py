@@ -246,7 +246,7 @@ def needs_both_directions(cause: AgeingCause) -> bool:
     return "direction" in effect_named(cause.effect).needs
 
 
-def asked_of(account: Account) -> tuple[AgeingCause, ...]:
+def checked_causes(account: Account) -> tuple[AgeingCause, ...]:
     """Return what ages: the springs and the lines of the gears, and whatever was named of a robot.
 
     A gap is none of them: configurations that are approached from one side never show it.
@@ -313,7 +313,7 @@ def check_of(
     """
     candidates = draw_candidates(space, _CANDIDATES, np.random.default_rng(seed))
     belief = of_robot_now(account, robot)
-    return quick_check(space, candidates, belief, asked_of(account), grown_mm, knowns)
+    return quick_check(space, candidates, belief, checked_causes(account), grown_mm, knowns)
 
 
 @dataclass(frozen=True, slots=True)
@@ -352,7 +352,7 @@ def grown(account: Account, robot: str, told: Information, asked_mm: float) -> t
     ConfigurationError
         The campaigns tell of nothing that ages.
     """
-    belief, causes = of_robot_now(account, robot), asked_of(account)
+    belief, causes = of_robot_now(account, robot), checked_causes(account)
     widths = account.fleet.widths
     normal, right = _over(told, belief.names, widths)
     # Its campaigns count by how much they scatter, and a check is one more of them.

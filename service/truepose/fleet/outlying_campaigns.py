@@ -171,7 +171,7 @@ def _is_another(seen: Evidence, excess: float) -> bool:
     return few or seen.judged(excess)[0] > seen.scattered(excess)
 
 
-def resembled(
+def best_fitting_robots(
     fleet: Fleet, others: Sequence[OutlyingCampaign], variances: Variances
 ) -> tuple[OutlyingCampaign, ...]:
     """Return campaigns that are none of their robots with the robot that each fits best, if it fits one.

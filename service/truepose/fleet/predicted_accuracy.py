@@ -32,7 +32,7 @@ from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import JointPrior, automatic_effects, build, with_belief
 from truepose.planning.observability import most_informative_first
-from truepose.planning.prediction.errors import Discrepancy, mean_norms, spread
+from truepose.planning.prediction.errors import Discrepancy, error_distribution, mean_norms
 from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge, ReadingInformation
 from truepose.planning.prediction.plan import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.workspace.candidates import draw_candidates
@@ -235,7 +235,7 @@ class _Measuring:
 
     def promised(self, n: int) -> ErrorForecast:
         """Return what the first n promise."""
-        found = spread(self._errors(n), self._knowledge.discrepancy)
+        found = error_distribution(self._errors(n), self._knowledge.discrepancy)
         joints_rad, nest = self._chosen.joints_rad[:n], self._chosen.nest[:n]
         return ErrorForecast(len(nest), found.mean_mm, found.interval_90_mm, joints_rad, nest)
 

@@ -17,7 +17,7 @@ from truepose.fleet.changes import Account, RealChange
 from truepose.fleet.interim_check import CauseGrowth
 from truepose.fleet.minimum_detectable_change import least_of_instruments, least_of_robots
 from truepose.fleet.predicted_accuracy import MOST, PredictedAccuracy
-from truepose.fleet.trend import LimitCrossing, Priority, concerned
+from truepose.fleet.trend import LimitCrossing, Priority, affected_campaigns
 from truepose.fleet.trials import Change, Kind
 from truepose.messages.message import Message, Text, message, together
 
@@ -54,7 +54,7 @@ def headline(account: Account) -> Message:
     return message("fleet.nothing", tried=account.tried)
 
 
-def compared(account: Account) -> Message:
+def comparison_sentence(account: Account) -> Message:
     """Return of what a fleet is."""
     fleet = account.fleet
     return message(
@@ -73,9 +73,9 @@ def change_said(change: Change) -> Message:
     return message(_KINDS[change.kind], who=what(change), cause=cause_said(change.cause), since=since)
 
 
-def told_of(account: Account, named: RealChange, passes: LimitCrossing | None) -> Iterator[Message]:
+def change_sentences(account: Account, named: RealChange, passes: LimitCrossing | None) -> Iterator[Message]:
     """Yield a change with its size, what else it may be, and when it passes the limit."""
-    days = account.fleet.day[concerned(account.fleet, named)]
+    days = account.fleet.day[affected_campaigns(account.fleet, named)]
     yield message(
         "fleet.size",
         change=change_said(named.change),

@@ -234,10 +234,10 @@ def passing(fleet: Fleet, named: RealChange, limit_mm: float) -> LimitCrossing |
 
 def _span(fleet: Fleet, named: RealChange) -> tuple[float, float]:
     """Return the day since which a line goes on, and the last that saw it."""
-    return named.change.since, float(fleet.day[concerned(fleet, named)].max())
+    return named.change.since, float(fleet.day[affected_campaigns(fleet, named)].max())
 
 
-def concerned(fleet: Fleet, named: RealChange) -> BoolArray:
+def affected_campaigns(fleet: Fleet, named: RealChange) -> BoolArray:
     """Return which campaigns a change concerns.
 
     Parameters

@@ -26,7 +26,7 @@ from truepose.domain.identification import (
 )
 from truepose.effects.ports import Trait
 from truepose.effects.registry import chosen_effects, effects_with
-from truepose.identification.fit.assessment import considered, held_out_residuals
+from truepose.identification.fit.assessment import held_out_residuals, propagate_certificates
 from truepose.identification.fit.inadequacy import shortfall
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
 from truepose.identification.fit.solver import absorbed, posterior_covariance
@@ -150,7 +150,7 @@ def nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
 def _answer(
     campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit, tell: Progress
 ) -> Identification:
-    carried = considered(campaign, identified)
+    carried = propagate_certificates(campaign, identified)
     fits = Fits(campaign, identified, nominal, carried.total)
     # Without what it lacks: that is told by holding this draft against readings.
     draft = model_of(fits, discrepancy_mm=0.0, program_version=__version__)

@@ -13,7 +13,7 @@ from truepose.domain.campaign import Campaign, sites
 from truepose.domain.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.model.missing_input_uncertainty import spanned
+from truepose.identification.model.missing_input_uncertainty import span_of_readings
 from truepose.identification.model.structure import (
     LEG_OFFSET,
     TARGET_OWNER,
@@ -156,5 +156,5 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,
-        **spanned((stops, *judging), fits.identified.structure.origin_s),
+        **span_of_readings((stops, *judging), fits.identified.structure.origin_s),
     }

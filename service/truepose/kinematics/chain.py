@@ -33,7 +33,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
-from truepose.kinematics.frames import cross, turned, turned_axes
+from truepose.kinematics.frames import cross, rotate, turned_axes
 
 _STILL: Mapping[int, FloatArray] = MappingProxyType({})
 
@@ -145,7 +145,7 @@ class Chain:
         ndarray, shape (n, 3)
             [mm]
         """
-        placed = turned(self.end_rotation, in_last_frame_mm)
+        placed = rotate(self.end_rotation, in_last_frame_mm)
         placed += self.end_origin
         return placed
 

@@ -356,7 +356,7 @@ def directions(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
     return vectors / np.where(length > 0.0, length, 1.0)[:, None], length
 
 
-def turned(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
+def rotate(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
     """Return vectors turned by rotations, R v.
 
     Parameters

@@ -18,7 +18,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import LinkMass
 from truepose.kinematics.chain import Chain
-from truepose.kinematics.frames import cross, turned
+from truepose.kinematics.frames import cross, rotate
 
 
 def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
@@ -63,7 +63,7 @@ def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     for joint in reversed(range(joints)):
         for link in masses:
             if link.frame - 1 == joint:
-                centre = chain.origin[joint] + turned(
+                centre = chain.origin[joint] + rotate(
                     chain.rotation[joint], np.array(link.centre_of_gravity_mm)
                 )
                 mass_kg, first = mass_kg + link.mass_kg, first + link.mass_kg * centre
@@ -86,7 +86,7 @@ def centre_of_gravity(chain: Chain, link: LinkMass) -> FloatArray:
         [mm]
     """
     joint = link.frame - 1
-    arm = turned(chain.rotation[joint], np.array(link.centre_of_gravity_mm))
+    arm = rotate(chain.rotation[joint], np.array(link.centre_of_gravity_mm))
     return np.asarray(chain.origin[joint] + arm)
 
 

@@ -39,7 +39,7 @@ from truepose.kinematics.inverse_parts import (
     Branches,
     Poses,
     Ratio,
-    rounded,
+    clip_rounding,
     within_reach,
 )
 
@@ -361,7 +361,7 @@ def _closed_form(
     # A pose out of reach is no exception: of eight branches some are always missing, and all are worked out
     # at once.
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
-        theta = form.angles(robot, _wanted(robot, pose), which, within_reach if reach_out else rounded)
+        theta = form.angles(robot, _wanted(robot, pose), which, within_reach if reach_out else clip_rounding)
     angles = np.broadcast_arrays(*theta)
     count = math.prod(angles[0].shape[:3])  # of branches
     return _controller_angles(

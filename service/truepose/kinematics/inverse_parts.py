@@ -84,7 +84,7 @@ def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio)
         [mm], in front of joint 1.
     which : Branches
     ratio : callable
-        `rounded` or `within_reach`.
+        `clip_rounding` or `within_reach`.
 
     References
     ----------
@@ -130,7 +130,7 @@ def is_beyond(side: FloatArray, rounding: float) -> BoolArray:
     return np.asarray(side < -rounding)
 
 
-def rounded(ratio: FloatArray) -> FloatArray:
+def clip_rounding(ratio: FloatArray) -> FloatArray:
     """Bring ratios that pass 1 by rounding alone back to it; those beyond stay: their arc functions are NaN.
 
     Parameters

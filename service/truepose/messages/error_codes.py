@@ -160,7 +160,7 @@ def code_named(name: str) -> str:
     return _CODES[name]
 
 
-def explained(code: str, words: Catalogue) -> CodeExplanation:
+def explain(code: str, words: Catalogue) -> CodeExplanation:
     """Return what a code means, in a language."""
     happened, data, do = (words.say(f"error.{code}.{part}") for part in ("happened", "data", "do"))
     return CodeExplanation(code, happened, data, do)

@@ -18,7 +18,7 @@ from truepose.demo.progress import RunProgress
 from truepose.demo.report import REPORT, write_diagnosis, write_report
 from truepose.demo.run import CellRequest, run_cell
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
-from truepose.night.check import Check, at_most, converged
+from truepose.night.check import Check, at_most, convergence_check
 
 LARGEST_ERROR_MM: Final = 0.11  # measured, of 1,000 readings
 _CALIBRATION: Final = 50
@@ -166,7 +166,7 @@ def _outcome(judged: JudgedRun) -> str:
 
 
 def _sound_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged.run.identification), _validated(judged), _nothing_found(judged)]
+    checks = [convergence_check(judged.run.identification), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         checks += _true_error_checks(judged.errors)
     return checks
@@ -191,7 +191,7 @@ def _tilted_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _camera_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged.run.identification), _validated(judged), _nothing_found(judged)]
+    checks = [convergence_check(judged.run.identification), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         mean_mm = judged.errors.absolute.mean_mm
         checks.append(at_most("true error before the camera, mean", mean_mm, _CAMERA_MEAN_MM, "mm"))
@@ -199,7 +199,7 @@ def _camera_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _everyday_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged.run.identification), _validated(judged), _something_found(judged)]
+    checks = [convergence_check(judged.run.identification), _validated(judged), _something_found(judged)]
     if judged.run.validation is not None:
         mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
         checks.append(at_most("measured error, mean", mean_mm, _EVERYDAY[judged.run.request.scenario], "mm"))
@@ -214,16 +214,16 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
     if validation is not None:
         said += f", {validation['position']['identified']['max_mm']:.3f} mm off"
     return [
-        converged(judged.run.identification),
+        convergence_check(judged.run.identification),
         Check("validation of a wrong joint 3", "failed", said, found),
     ]
 
 
 def _wavy_gear_checks(judged: JudgedRun) -> list[Check]:
     # The validation has the wave too, so it judges nothing here: that the model errs is what is to be found.
-    finding = _wave(listed(judged))
+    finding = _wave(list_findings(judged))
     checks = [
-        converged(judged.run.identification),
+        convergence_check(judged.run.identification),
         Check("diagnosis", "wave of joint 6", found(judged), finding is not None),
     ]
     return checks if finding is None else [*checks, *_wave_checks(finding)]
@@ -265,7 +265,7 @@ def _something_found(judged: JudgedRun) -> Check:
     return Check("diagnosis", "anything but consistent", found(judged), something)
 
 
-def listed(judged: JudgedRun) -> list[dict[str, Any]]:
+def list_findings(judged: JudgedRun) -> list[dict[str, Any]]:
     """Return what the diagnosis found, small findings included."""
     document = judged.run.diagnosis["document"]
     return [*document["findings"], *document["small_findings"]]
@@ -274,5 +274,5 @@ def listed(judged: JudgedRun) -> list[dict[str, Any]]:
 def found(judged: JudgedRun) -> str:
     """Return what the diagnosis found, in words."""
     verdict = str(judged.run.diagnosis["document"]["verdict"]).replace("_", " ")
-    names = [f"{f['effect']} of {f['subject']} ({f['confidence']})" for f in listed(judged)]
+    names = [f"{f['effect']} of {f['subject']} ({f['confidence']})" for f in list_findings(judged)]
     return ": ".join([verdict, ", ".join(names)]) if names else verdict

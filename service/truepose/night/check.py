@@ -76,7 +76,7 @@ def none_of(figure: str, wrong: Sequence[str]) -> Check:
     return Check(figure, "none", said, not wrong, float(len(wrong)))
 
 
-def converged(document: Mapping[str, Any]) -> Check:
+def convergence_check(document: Mapping[str, Any]) -> Check:
     """Return the check that there is a model at all, of the document of an identification."""
     status = str(document["status"])
     return Check("identification", "converged", status, status == "converged")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.demo.processes import DATABASE
-from truepose.demo.progress import RunProgress, shown_progress
+from truepose.demo.progress import RunProgress, progress_bar
 from truepose.domain.errors import TrueposeError
 from truepose.night.bad_lines import bad_lines
 from truepose.night.calibrated_cells import calibrated_cells
@@ -73,7 +73,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
     earlier = tuple(read_history(request.out / HISTORY))
     began, began_s = datetime.now(UTC), time.perf_counter()
     outcomes: list[CaseOutcome] = []
-    with shown_progress() as progress:
+    with progress_bar() as progress:
         try:
             for case in chosen:
                 outcomes.append(_outcome(case, request.out / case.name, progress))

@@ -13,8 +13,8 @@ import numpy as np
 from truepose.demo.run import CellRequest
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.exchange.cells.file import scenario_text
-from truepose.night.calibrated_cells import CalibratedCell, found, listed
-from truepose.night.check import Check, converged
+from truepose.night.calibrated_cells import CalibratedCell, found, list_findings
+from truepose.night.check import Check, convergence_check
 
 _CALIBRATION: Final = 50
 _VALIDATION: Final = 100
@@ -93,11 +93,11 @@ def _case(
 
 
 def _checks(judged: JudgedRun, planted: _PlantedCause) -> list[Check]:
-    findings = listed(judged)
+    findings = list_findings(judged)
     named = [one for one in findings if _is(one, planted)]
     beside = [one for one in findings if any(_is(rival, planted) for rival in one["confusable_with"])]
     checks = [
-        converged(judged.run.identification),
+        convergence_check(judged.run.identification),
         Check("cause", planted.words, found(judged), bool(named or beside)),
     ]
     return checks if not named else [*checks, _amplitude(named[0], planted)]

@@ -11,7 +11,7 @@ from truepose.demo.client import ServiceClient, attend
 from truepose.demo.errors import SessionHaltedError
 from truepose.demo.processes import opened_cell
 from truepose.demo.progress import RunProgress
-from truepose.night.check import Check, at_most, converged
+from truepose.night.check import Check, at_most, convergence_check
 
 VALIDATION: Final = 60  # configurations of the tracker
 
@@ -29,7 +29,7 @@ async def judged_by_tracker(
     with progress.phase("identifying") as told:
         number = await client.finish_job(await client.identify(campaign), told)
         identified = await client.get(f"/identifications/{number}")
-    checks = [converged(identified["document"])]
+    checks = [convergence_check(identified["document"])]
     if identified["model_id"] is None:
         return checks
     with progress.phase("validating") as told:

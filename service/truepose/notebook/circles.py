@@ -12,7 +12,7 @@ from truepose.exchange.results.circles_and_spheres import circle_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
-from truepose.notebook.display import counted, frame
+from truepose.notebook.display import count_text, frame
 from truepose.notebook.inputs import TableOrFile, known_robot, named_data
 from truepose.notebook.model import Model
 from truepose.reports.circles import CircleReport, circle_table, circle_test_sentences
@@ -73,7 +73,7 @@ class CircleErrors:
         CircleReport(self.answer, self.robot).write(Path(file))
 
     def __repr__(self) -> str:
-        found = counted(len(self.answer.circles), "circle")
+        found = count_text(len(self.answer.circles), "circle")
         return f"Circle test of {self.robot}: {found}, {len(self.answer.withheld)} withheld"
 
     def _repr_html_(self) -> str:

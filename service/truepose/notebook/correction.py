@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from truepose.correction import Corrections as Found
-from truepose.correction import Summary, joined
+from truepose.correction import Summary, stack_tables
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections import corrected_rows, reason_to_withhold, table_cautions
@@ -176,4 +176,4 @@ def correct(
     if withheld:
         raise ConfigurationError(" ".join(map(english, (*cautions[:1], withheld))))
     sentences = (*correction_sentences(summary.totals), *cautions)
-    return Corrections(tuple(names), joined(parts), tuple(map(english, sentences)))
+    return Corrections(tuple(names), stack_tables(parts), tuple(map(english, sentences)))

@@ -16,7 +16,7 @@ from truepose.exchange.results.diagnosis import FindingDocument, diagnosis_docum
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.display import STATISTICS, change_of, counted, finding_texts, frame, rows_of
+from truepose.notebook.display import STATISTICS, change_of, count_text, finding_texts, frame, rows_of
 from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
 
@@ -115,7 +115,7 @@ class Diagnosis:
         findings = self.answer.all_findings
         if not 1 <= number <= len(findings):
             raise ConfigurationError(
-                f"There is no finding {number}: the diagnosis has {counted(len(findings), 'finding')}."
+                f"There is no finding {number}: the diagnosis has {count_text(len(findings), 'finding')}."
             )
         curve = findings[number - 1].curve
         return None if curve is None else plain_residual_curve(curve)
@@ -123,7 +123,7 @@ class Diagnosis:
     def __repr__(self) -> str:
         before, after = self.answer.before, self.answer.after
         judged = f"; held-out {change_of(before, after)}" if before is not None and after is not None else ""
-        found = counted(len(self.answer.findings), "finding")
+        found = count_text(len(self.answer.findings), "finding")
         named = ", ".join(f"{f.effect} of {f.subject}" for f in self.answer.findings[:3])
         more = ", ..." if len(self.answer.findings) > 3 else ""
         listed = f" ({named}{more})" if named else ""

@@ -12,7 +12,7 @@ from truepose.exchange.models.document import file_factor, file_unit
 from truepose.messages.catalogue import english
 from truepose.notebook.errors import MissingExtraError
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
+from truepose.reports.rounding import MISSING, format_rounded, millimetres, uncertainty, with_uncertainty
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -94,7 +94,7 @@ def change_of(before: Statistics, after: Statistics) -> str:
     return f"RMS {millimetres(before.rms_mm)} -> {millimetres(after.rms_mm)} mm"
 
 
-def counted(number: int, one: str, many: str | None = None) -> str:
+def count_text(number: int, one: str, many: str | None = None) -> str:
     """Return a number of things: `no outlier`, `1 outlier`, `2 outliers`."""
     return f"{number or 'no'} {one if number in {0, 1} else many or one + 's'}"
 
@@ -116,7 +116,12 @@ def parameter_table(parameters: Iterable[Parameter]) -> Markup:
 def _parameter(parameter: Parameter) -> tuple[str, ...]:
     factor = file_factor(parameter.unit)
     u = parameter.standard_uncertainty * factor
-    return parameter.name, file_unit(parameter.unit), rounded(parameter.value * factor, u), uncertainty(u)
+    return (
+        parameter.name,
+        file_unit(parameter.unit),
+        format_rounded(parameter.value * factor, u),
+        uncertainty(u),
+    )
 
 
 def finding_texts(number: int, finding: Finding) -> tuple[str, ...]:

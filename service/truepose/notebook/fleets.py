@@ -11,7 +11,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign as Measured
 from truepose.domain.errors import ConfigurationError
-from truepose.exchange.results.fleet import shared
+from truepose.exchange.results.fleet import shared_parameters
 from truepose.fleet import campaigns as measured
 from truepose.fleet.campaigns import information_of
 from truepose.fleet.changes import Account, RealChange, account_of
@@ -23,7 +23,7 @@ from truepose.identification.problem.build import JointPrior
 from truepose.messages.message import message
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.display import counted, frame
+from truepose.notebook.display import count_text, frame
 from truepose.notebook.inputs import Progress
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class Fleet:
 
         In the units that files use: mm, deg, rad/(N*mm).
         """
-        return frame([one.printed() for one in shared(self.account)])
+        return frame([one.printed() for one in shared_parameters(self.account)])
 
     @cached_property
     def belief(self) -> JointPrior:
@@ -121,9 +121,9 @@ class Fleet:
     def __repr__(self) -> str:
         fleet = self.account.fleet
         sizes = (
-            counted(len(fleet.robots), "robot"),
-            counted(len(fleet.instruments), "instrument"),
-            counted(len(fleet.day), "campaign"),
+            count_text(len(fleet.robots), "robot"),
+            count_text(len(fleet.instruments), "instrument"),
+            count_text(len(fleet.day), "campaign"),
         )
         named = "; ".join(f"{_what(one.change)}: {_cause(one.change)}" for one in self.account.named)
         told = [named or "nothing changes beyond chance", *(_unlike(one) for one in self.account.unlike)]

@@ -13,7 +13,7 @@ from truepose.identification import identify as identify_campaign
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.display import STATISTICS, change, counted, frame, parameter_table, rows_of
+from truepose.notebook.display import STATISTICS, change, count_text, frame, parameter_table, rows_of
 from truepose.notebook.fleets import Fleet
 from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
@@ -100,7 +100,7 @@ class Identification:
         yield from ((name, pair) for name, pair in named.items() if pair is not None)
 
     def _configurations(self) -> str:
-        return counted(self.answer.counts.configurations, "configuration")
+        return count_text(self.answer.counts.configurations, "configuration")
 
     @property
     def _title(self) -> str:
@@ -111,8 +111,8 @@ class Identification:
         judged = next((f"{name} {change(pair)}; " for name, pair in self._blocks()), "")
         sizes = (
             self._configurations(),
-            counted(counts.parameters, "parameter"),
-            counted(counts.outliers, "outlier"),
+            count_text(counts.parameters, "parameter"),
+            count_text(counts.outliers, "outlier"),
         )
         return f"{self._title}: {self.status}; {judged}{', '.join(sizes)}"
 

@@ -12,7 +12,7 @@ from truepose.exchange.models.exports import export as export_model
 from truepose.exchange.models.file import read_model_file, write_model
 from truepose.messages.catalogue import english
 from truepose.notebook import display
-from truepose.notebook.display import counted, frame, parameter_table
+from truepose.notebook.display import count_text, frame, parameter_table
 from truepose.notebook.inputs import path_of, read_if_path
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Model:
 
     def __repr__(self) -> str:
         effects = ", ".join(self.data.effects)
-        count = counted(len(self.data.parameters), "parameter")
+        count = count_text(len(self.data.parameters), "parameter")
         return f"Model of {self.data.robot.name}: {effects}; {count}"
 
     def _repr_html_(self) -> str:

@@ -14,7 +14,7 @@ from truepose.exchange.cells.file import cell_given
 from truepose.exchange.tables.fields import NO_REPEAT, joint_names
 from truepose.messages.catalogue import english
 from truepose.notebook import display
-from truepose.notebook.display import counted, frame
+from truepose.notebook.display import count_text, frame
 from truepose.notebook.inputs import path_of
 from truepose.planning.prediction.errors import CurvePoint
 from truepose.planning.prediction.plan import PromisedPlan
@@ -89,8 +89,8 @@ class Plan:
 
     def __repr__(self) -> str:
         again = int((self.repeat_of != NO_REPEAT).sum())
-        stops = counted(len(self.config) - again, "configuration")
-        return f"Plan of a {self.role} of {self.robot}: {stops}, {counted(again, 'revisit')}"
+        stops = count_text(len(self.config) - again, "configuration")
+        return f"Plan of a {self.role} of {self.robot}: {stops}, {count_text(again, 'revisit')}"
 
     def _repr_html_(self) -> str:
         names = [f"q{joint}, deg" for joint in range(1, self.joints_rad.shape[1] + 1)]

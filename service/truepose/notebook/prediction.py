@@ -11,7 +11,7 @@ from truepose.exchange.tables.files import points_to_predict, write_predictions
 from truepose.identification import predict as predict_positions
 from truepose.messages.catalogue import english
 from truepose.notebook import display
-from truepose.notebook.display import counted, frame
+from truepose.notebook.display import count_text, frame
 from truepose.notebook.inputs import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
 from truepose.reports.rounding import millimetres
@@ -73,7 +73,7 @@ class Predictions:
 
     def __repr__(self) -> str:
         typical = millimetres(float(np.median(self.standard_uncertainty_mm)))
-        count = counted(len(self.config), "prediction")
+        count = count_text(len(self.config), "prediction")
         return f"{count} of nest positions; standard uncertainty {typical} mm (median)"
 
     def _repr_html_(self) -> str:

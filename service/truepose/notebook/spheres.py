@@ -12,7 +12,7 @@ from truepose.exchange.results.circles_and_spheres import sphere_document
 from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.display import counted, frame
+from truepose.notebook.display import count_text, frame
 from truepose.notebook.model import Model, model_given
 from truepose.reports.spheres import SphereReport, sphere_table, sphere_test_sentences
 from truepose.reports.traceability import ReportConditions
@@ -81,7 +81,7 @@ class SphereErrors:
     def __repr__(self) -> str:
         lengths = sum(len(sphere.config) for sphere in self.answer.spheres)
         rms = "; ".join(f"{name} RMS {value.value:.3f} mm" for name, value in self.answer.order)
-        return f"Sphere test of {self.campaign.robot.name}: {counted(lengths, 'length')}; {rms}"
+        return f"Sphere test of {self.campaign.robot.name}: {count_text(lengths, 'length')}; {rms}"
 
     def _repr_html_(self) -> str:
         shown = sphere_table(self.answer, IN_ENGLISH)

@@ -19,7 +19,7 @@ from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
 from truepose.messages.catalogue import english
 from truepose.notebook import display
-from truepose.notebook.display import STATISTICS, change, counted, frame, rows_of
+from truepose.notebook.display import STATISTICS, change, count_text, frame, rows_of
 from truepose.notebook.inputs import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
 from truepose.reports.pose_test import pose_test_table, withheld_sentences
@@ -125,7 +125,7 @@ class Validation:
     def _outcome(self) -> str:
         said = "passed" if self.passed else "not passed"
         limit = "" if self.answer.limit_mm is None else f" (limit {self.answer.limit_mm:g} mm)"
-        judged = f"{self.model.robot.name} on {counted(len(self.readings), 'reading')}"
+        judged = f"{self.model.robot.name} on {count_text(len(self.readings), 'reading')}"
         return f"Validation of {judged}: {said}{limit}"
 
     def __repr__(self) -> str:

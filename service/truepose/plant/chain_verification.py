@@ -10,14 +10,14 @@ from typing import Any, Final
 
 from truepose.storage.errors import TamperedRecordError, UnreadableRowError
 from truepose.storage.integrity.hash_chain import GENESIS, linked_hash, stream_of
-from truepose.storage.plant.outbox import LEAVING, WHOLE_NUMBERS, untyped
+from truepose.storage.plant.outbox import LEAVING, WHOLE_NUMBERS, from_typed_json
 from truepose.storage.plant.records import CollectedLink
 
 _HASH_BYTES: Final = 32
 _TOLD: Final = frozenset({"sessions"})  # tables of which a record may come with a secret taken out of it
 
 
-def verified(
+def verify_page(
     lines: Iterable[Mapping[str, Any]], position: int, heads: Mapping[int, bytes]
 ) -> tuple[list[CollectedLink], dict[int, bytes]]:
     """Return the links of a page, and the newest hash of each stream after it.
@@ -64,7 +64,7 @@ def _link(line: Any) -> CollectedLink:
             record_id=_whole(line, "record_id"),
             hash=_hash(line),
             content=None if content is None else _text(content),
-            row=None if content is None else untyped(content),
+            row=None if content is None else from_typed_json(content),
             verified=line.get("row") is not None,
         )
     except (KeyError, TypeError, ValueError) as error:

@@ -12,7 +12,7 @@ from typing import Final
 
 from truepose.exchange.cells.plant import PlantCell
 from truepose.plant.cell_client import CellClient, CellHead, clock_seen
-from truepose.plant.chain_verification import verified
+from truepose.plant.chain_verification import verify_page
 from truepose.plant.errors import CellAnswerError, CellSilentError
 from truepose.storage.errors import (
     AnotherChainError,
@@ -78,7 +78,7 @@ async def _collected(
     position, heads, newest = known.position, known.heads, begun.newest or 0
     while position < newest:
         page = await cell.links(position, _LINKS)
-        links, heads = await asyncio.to_thread(verified, page.lines, position, heads)
+        links, heads = await asyncio.to_thread(verify_page, page.lines, position, heads)
         if not links:
             raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
         await shelves.journal.keep(known.branch, links, begun.clock)

@@ -20,7 +20,7 @@ from truepose.messages.message import Message, Text, message, together
 from truepose.reports.cause_words import cause_words, printed_unit
 from truepose.reports.diagnosis.cause_map import CauseMap
 from truepose.reports.figures.joint_residuals import residuals_by_joint
-from truepose.reports.rounding import millimetres, rounded
+from truepose.reports.rounding import format_rounded, millimetres
 from truepose.validation.validate import distance_from_axis_1
 
 _FAR: Final = 5.0  # typical (median) errors
@@ -238,7 +238,7 @@ def curve_sentence(curve: Curve, words: Catalogue) -> Text:
     travel, unit = float(np.ptp(curve.line)), printed_unit(curve.quantity_unit)
     return message(
         "seen.curve.follows" if unseen is None else "seen.curve.follows_unseen",
-        travel=words.units.quantity(rounded(travel, travel / 10.0, unit), unit),
+        travel=words.units.quantity(format_rounded(travel, travel / 10.0, unit), unit),
         percent=100.0 * (1.0 - left),
         readings=n,
     )
@@ -260,7 +260,7 @@ def spectrum_sentence(spectrum: Spectrum) -> Text:
     at = int(np.argmax(np.where(seen, spectrum.amplitude_deg, 0.0)))
     others = int(seen.sum()) - 1
     key = "seen.spectrum.several" if others else "seen.spectrum.one"
-    amplitude = rounded(
+    amplitude = format_rounded(
         float(spectrum.amplitude_deg[at]), float(spectrum.standard_uncertainty_deg[at]), "deg"
     )
     return message(key, order=float(spectrum.order[at]), amplitude=amplitude, others=others)

@@ -12,7 +12,7 @@ from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, Text, message
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import fixed, with_minus
+from truepose.reports.rounding import format_fixed, with_minus
 from truepose.reports.traceability import PageMargins
 
 _TRACKER: Final = ("check.tracker.warm", "check.tracker.nests", "check.tracker.reflector")
@@ -179,7 +179,7 @@ def _rows(
 ) -> Iterator[Row]:
     each = report.minutes / max(1, len(report.checklist.stops))
     for place, stop in enumerate(report.checklist.stops):
-        joints = tuple(with_minus(fixed(math.degrees(angle), 2, "deg")) for angle in stop.joints_rad)
+        joints = tuple(with_minus(format_fixed(math.degrees(angle), 2, "deg")) for angle in stop.joints_rad)
         order, minute = letters.get(stop.legs, ""), f"{place * each:.0f}"
         legs = tuple(f"B{base}-T{tool}" for base, tool in stop.legs)
         yield Row(stop.config, spoken(stop.reads), legs, order, joints, minute, stop.placement)

@@ -13,7 +13,7 @@ from truepose.messages.units import Conversion, ConvertibleNumber
 from truepose.reports.cover_page import Front
 from truepose.reports.limits import NO_LIMIT, FigureNames, Limit, LimitedTest
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import millimetres, rounded
+from truepose.reports.rounding import format_rounded, millimetres
 from truepose.reports.tables import Table, heads_of
 from truepose.validation.circle_test import CircleTest, JointCircle
 from truepose.validation.uncertainty import Figure
@@ -84,7 +84,7 @@ def _row(one: JointCircle) -> tuple[str, ...]:
         str(one.nest),
         _between(low, high),
         ConvertibleNumber(partial(_step, float(np.degrees(one.increment_rad))), "deg"),
-        rounded(tangential.value, tangential.standard_uncertainty, "mm"),
+        format_rounded(tangential.value, tangential.standard_uncertainty, "mm"),
         _degrees(one.angular_range_rad),
         "" if one.backlash_rad is None else _degrees(one.backlash_rad),
         millimetres(one.radial_range_mm),
@@ -143,7 +143,7 @@ def _in_degrees(figure: Figure) -> tuple[float, float]:
 
 
 def _degrees(figure: Figure) -> str:
-    return rounded(*_in_degrees(figure), "deg")
+    return format_rounded(*_in_degrees(figure), "deg")
 
 
 def _step(value_deg: float, shown: Conversion) -> str:

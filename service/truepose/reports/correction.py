@@ -12,7 +12,7 @@ from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, message
 from truepose.reports.cover_page import Front, OneFigure, graded
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import MISSING, fixed, millimetres, uncertainty_mm
+from truepose.reports.rounding import MISSING, format_fixed, millimetres, uncertainty_mm
 
 _MOST_ROWS: Final = 500  # of targets on paper; the corrected file has all
 _MOST_SAID: Final = 10
@@ -155,7 +155,7 @@ def target_rows(
             millimetres(float(shift[row])),
             uncertainty_mm(float(targets.uncertainty_mm[row])),
             _outside_text(float(targets.outside_mm[row]), words),
-            fixed(math.degrees(float(targets.moved_rad[row])), 3, "deg"),
+            format_fixed(math.degrees(float(targets.moved_rad[row])), 3, "deg"),
         )
 
 

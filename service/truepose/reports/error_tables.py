@@ -12,7 +12,7 @@ from truepose.domain.identification import (
     TurnStatistics,
 )
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.rounding import fixed, millimetres, uncertainty_mm
+from truepose.reports.rounding import format_fixed, millimetres, uncertainty_mm
 from truepose.reports.tables import Table, heads_of
 
 if TYPE_CHECKING:
@@ -84,4 +84,4 @@ def _turn_rows(label: str, pair: TurnPair, words: Catalogue) -> Iterator[Row]:
 
 def _turn_row(label: str, model: str, turns: TurnStatistics) -> Row:
     figures = (turns.mean_rad, turns.rms_rad, turns.sd_rad, turns.max_rad, turns.noise_rad)
-    return (label, model, f"{turns.n:,}", *(fixed(math.degrees(one), 4, "deg") for one in figures))
+    return (label, model, f"{turns.n:,}", *(format_fixed(math.degrees(one), 4, "deg") for one in figures))

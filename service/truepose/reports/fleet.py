@@ -9,28 +9,28 @@ from markupsafe import Markup
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from truepose.exchange.results.fleet import SharedDocument, shared
+from truepose.exchange.results.fleet import SharedDocument, shared_parameters
 from truepose.fleet.changes import Account, RealChange
 from truepose.fleet.minimum_detectable_change import least_of_robots
 from truepose.fleet.sentences import (
     cause_said,
     change_said,
-    compared,
+    change_sentences,
+    comparison_sentence,
     day_of,
     headline,
     least_said,
     next_said,
     rivals_said,
     scatter_said,
-    told_of,
     what,
     why_said,
 )
-from truepose.fleet.trend import along, concerned, due, passing
+from truepose.fleet.trend import affected_campaigns, along, due, passing
 from truepose.fleet.trials import Kind
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import MISSING, rounded, uncertainty, with_uncertainty
+from truepose.reports.rounding import MISSING, format_rounded, uncertainty, with_uncertainty
 from truepose.reports.tables import Table, heads_of, on_terminal
 
 _KINDS: Final[dict[Kind, str]] = {
@@ -68,7 +68,7 @@ class FleetReport(Report):
         shown = {
             "headline": words.spoken(headline(account)),
             "good": not account.named,
-            "compared": [words.spoken(one) for one in (compared(account), *scatter_said(account))],
+            "compared": [words.spoken(one) for one in (comparison_sentence(account), *scatter_said(account))],
             "least": [words.spoken(one) for one in least_said(account)],
             "least_table": least_table(account, words),
             "change_table": change_table(account, limit_mm, words),
@@ -109,7 +109,7 @@ def least_table(account: Account, words: Catalogue) -> Table:
 def shared_table(account: Account, words: Catalogue) -> Table:
     """Return a row per parameter of the type; robots differ most in the first, over what was believed."""
     keys = ("side.parameter", "fleet.head.cause", "fleet.head.value", "fleet.head.between", "report.unit")
-    each = zip(account.estimated.variances.robot.tolist(), shared(account), strict=True)
+    each = zip(account.estimated.variances.robot.tolist(), shared_parameters(account), strict=True)
     rows = [_shared_row(one, words) for _, one in sorted(each, key=lambda pair: -pair[0])]
     return Table(heads_of(words, *keys), rows, names=2)
 
@@ -148,7 +148,13 @@ def _passes(
 
 def _shared_row(one: SharedDocument, words: Catalogue) -> tuple[str, ...]:
     value, between, u = (number or 0.0 for number in (one.value, one.between_robots, one.between_robots_u))
-    return one.name, words.effect(one.effect), rounded(value, between or u), uncertainty(between), one.unit
+    return (
+        one.name,
+        words.effect(one.effect),
+        format_rounded(value, between or u),
+        uncertainty(between),
+        one.unit,
+    )
 
 
 def fleet_summary(account: Account, limit_mm: float, words: Catalogue = IN_ENGLISH) -> Group:
@@ -158,7 +164,7 @@ def fleet_summary(account: Account, limit_mm: float, words: Catalogue = IN_ENGLI
 
 def _summary(account: Account, limit_mm: float, words: Catalogue) -> Iterator[RenderableType]:
     changes, following = change_table(account, limit_mm, words), due_table(account, limit_mm, words)
-    yield from (Text(words.spoken(one)) for one in (compared(account), headline(account)))
+    yield from (Text(words.spoken(one)) for one in (comparison_sentence(account), headline(account)))
     if account.named:
         without_rivals = Table(changes.heads[:-1], [row[:-1] for row in changes.rows], names=6)
         yield on_terminal(without_rivals, words.say("fleet.head.changes"))
@@ -178,7 +184,7 @@ def _change(
     passes = passing(account.fleet, named, limit_mm)
     change = named.change
     title = words.between.join((words.spoken(what(change)), words.spoken(cause_said(change.cause))))
-    told, days = along(account, named), account.fleet.day[concerned(account.fleet, named)]
+    told, days = along(account, named), account.fleet.day[affected_campaigns(account.fleet, named)]
     growth = Growth(
         first=float(days.min()),
         day=told.day,
@@ -193,5 +199,5 @@ def _change(
         if passes is None or not math.isfinite(passes.earliest)
         else (passes.earliest, passes.latest),
     )
-    sentences = [words.spoken(one) for one in told_of(account, named, passes)]
+    sentences = [words.spoken(one) for one in change_sentences(account, named, passes)]
     return title, sentences, growth_figure(growth, f"growth{number}", title, words)

@@ -19,7 +19,7 @@ from truepose.reports.figures.over_days import Course, course_figure
 from truepose.reports.history_sentences import alarm_words, cause_name, change_words
 from truepose.reports.identification.parameters import meaning
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import millimetres, p_value, rounded, with_uncertainty
+from truepose.reports.rounding import format_rounded, millimetres, p_value, with_uncertainty
 from truepose.reports.tables import Table, heads_of
 from truepose.validation.model_comparison import ModelComparison, ParameterChange, ToolShift
 
@@ -203,8 +203,8 @@ def _change_row(change: ParameterChange, words: Catalogue) -> tuple[str, ...]:
     return (
         change.name + (_SIGNIFICANT if change.significant else ""),
         meaning(change.name, change.effect, words),
-        rounded(change.earlier * factor, u, unit),
-        rounded(change.later * factor, u, unit),
+        format_rounded(change.earlier * factor, u, unit),
+        format_rounded(change.later * factor, u, unit),
         with_uncertainty(change.difference * factor, u, unit),
         words.units.conversion(unit).symbol,
         "" if change.p_value is None else p_value(change.p_value),

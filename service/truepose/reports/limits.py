@@ -11,7 +11,7 @@ from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Text, message, together
 from truepose.reports.cover_page import DECIDED, Front, OneFigure, applied_rule, graded
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import rounded, uncertainty_mm
+from truepose.reports.rounding import format_rounded, uncertainty_mm
 from truepose.validation.uncertainty import Figure
 from truepose.validation.validate import decide_figures
 
@@ -52,7 +52,7 @@ def figure_bars(named: Sequence[tuple[str, Figure]], limit_mm: float | None, wor
 def _bar(name: str, figure: Figure, y: int, scale: float, words: Catalogue) -> FigureBar:
     size, u = abs(figure.value), figure.standard_uncertainty
     ends = (max(size - 2.0 * u, 0.0) * scale, (size + 2.0 * u) * scale)
-    text = words.units.quantity(rounded(size, 2.0 * u, "mm"), "mm")
+    text = words.units.quantity(format_rounded(size, 2.0 * u, "mm"), "mm")
     return FigureBar(name, y, size * scale, *ends, text)
 
 
@@ -121,7 +121,7 @@ class LimitedTest:
         if worst is None:
             return self.lacks
         u = worst.standard_uncertainty
-        size = rounded(abs(worst.value), u, "mm")
+        size = format_rounded(abs(worst.value), u, "mm")
         largest = message(self.of.largest, value=size, u=uncertainty_mm(u), where=name)
         guard = 0.0 if decision is None else decision.guard_mm
         judged = message("front.guard", guard=uncertainty_mm(guard)) if guard else ""
@@ -129,7 +129,7 @@ class LimitedTest:
 
     def _figure(self, name: str, worst: Figure, words: Catalogue) -> OneFigure:
         expanded = 2.0 * worst.standard_uncertainty
-        value = words.units.quantity(rounded(abs(worst.value), expanded, "mm"), "mm")
+        value = words.units.quantity(format_rounded(abs(worst.value), expanded, "mm"), "mm")
         return OneFigure(
             words.say(self.of.name), value, words.say("front.at_with", where=name, u=uncertainty_mm(expanded))
         )

@@ -50,7 +50,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(mm=millimetres, u=uncertainty_mm, p=p_value, capitalize_first=capitalized)
+    environment.filters.update(mm=millimetres, u=uncertainty_mm, p=p_value, capitalize_first=capitalise)
     environment.filters.update(called=_called, css_string=css_string)
     return environment
 
@@ -59,6 +59,6 @@ def _called(effect: str, words: Catalogue) -> str:
     return words.effect(effect)
 
 
-def capitalized(text: str) -> str:
+def capitalise(text: str) -> str:
     """Return the text with a capital first letter; jinja's own would make small letters of all others."""
     return text[:1].upper() + text[1:]

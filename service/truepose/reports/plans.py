@@ -9,7 +9,7 @@ from truepose.messages.message import Message, message
 from truepose.messages.units import ConvertibleNumber
 from truepose.planning.prediction.errors import STEP, gains_mm
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.reports.rounding import fixed
+from truepose.reports.rounding import format_fixed
 from truepose.reports.tables import Table, heads_of
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
@@ -99,13 +99,13 @@ def _assumptions(plan: PromisedPlan) -> Iterator[Message]:
 
 def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
     """Return the curve, one row for each number of configurations; a star marks the one planned."""
-    gained = ("", *(fixed(1e3 * gain, 1, "um") for gain in gains_mm(plan.curve)))
+    gained = ("", *(format_fixed(1e3 * gain, 1, "um") for gain in gains_mm(plan.curve)))
     rows = [
         (
             f"{'*' if point.n == plan.total else ''}{point.n}",
-            fixed(point.mean_mm, 4, "mm"),
+            format_fixed(point.mean_mm, 4, "mm"),
             _between(*point.interval_90_mm),
-            fixed(point.worst_mm, 4, "mm"),
+            format_fixed(point.worst_mm, 4, "mm"),
             gain,
         )
         for point, gain in zip(plan.curve, gained, strict=True)

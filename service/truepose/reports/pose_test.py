@@ -9,7 +9,7 @@ from rich.text import Text
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, message
-from truepose.reports.rounding import fixed, millimetres, rounded, uncertainty
+from truepose.reports.rounding import format_fixed, format_rounded, millimetres, uncertainty
 from truepose.reports.tables import Remarked, Table, heads_of, on_terminal
 from truepose.reports.traceability import NOT_STATED, ReportConditions, condition_rows
 from truepose.validation.cautions import pose_test_caution
@@ -86,10 +86,10 @@ def _row(figure: Characteristic, commanded_by: CommandedBy | None, words: Catalo
         figure.clause,
         figure.subject,
         words.say(_MODELS[commanded_by]) if commanded_by else "",
-        f"{'±' if half_width else ''}{words.units.number(rounded(value, u), unit)}",
+        f"{'±' if half_width else ''}{words.units.number(format_rounded(value, u), unit)}",
         uncertainty(u, unit),
         words.units.conversion(unit).symbol,
-        rounded(figure.noise * factor, u, unit) if figure.noise else "",  # the scatter averages out
+        format_rounded(figure.noise * factor, u, unit) if figure.noise else "",  # the scatter averages out
         str(figure.visits),
     )
 
@@ -100,7 +100,7 @@ def pose_test_cards(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[t
         worst = test.identified.largest(symbol, component)
         if worst is not None:
             u = uncertainty(worst.standard_uncertainty, file_unit(worst.unit))
-            value = rounded(abs(worst.value), worst.standard_uncertainty)
+            value = format_rounded(abs(worst.value), worst.standard_uncertainty)
             yield (
                 words.say(name),
                 words.units.quantity(value, file_unit(worst.unit)),
@@ -129,7 +129,7 @@ def _place(pose: CommandedPose, words: Catalogue) -> str:
 
 
 def _at(place_mm: Iterable[float], words: Catalogue) -> str:
-    return " ".join(words.units.number(fixed(float(x), 0, "mm"), "mm") for x in place_mm)
+    return " ".join(words.units.number(format_fixed(float(x), 0, "mm"), "mm") for x in place_mm)
 
 
 def withheld_sentences(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
@@ -143,7 +143,7 @@ def drift_sentences(test: PoseTest) -> Iterator[Message]:
     if test.drift is None or not test.drift.curve:
         return
     far = max(test.drift.curve, key=lambda point: point.moved_mm)
-    way, u = rounded(far.moved_mm, far.moved_uncertainty_mm), uncertainty(far.moved_uncertainty_mm)
+    way, u = format_rounded(far.moved_mm, far.moved_uncertainty_mm), uncertainty(far.moved_uncertainty_mm)
     yield message("pose_test.drift.far", far=way, u=u, hours=far.hours)
     yield message("pose_test.drift.settled" if test.drift.settled else "pose_test.drift.unsettled")
 
@@ -164,7 +164,7 @@ def _cube(test: PoseTest, words: Catalogue) -> Iterator[tuple[str, str]]:
         words.say("pose_test.cube"),
         words.say("pose_test.cube.none")
         if cube is None
-        else words.say("pose_test.cube.value", edge=fixed(cube.edge_mm, 0, "mm"), centre=centre),
+        else words.say("pose_test.cube.value", edge=format_fixed(cube.edge_mm, 0, "mm"), centre=centre),
     )
 
 

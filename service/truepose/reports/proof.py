@@ -17,7 +17,7 @@ from truepose.reports.error_tables import Row, error_table, figures_row
 from truepose.reports.figures.error_maps import ErrorMaps, error_maps
 from truepose.reports.figures.histograms import comparison
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import fixed, millimetres
+from truepose.reports.rounding import format_fixed, millimetres
 from truepose.reports.tables import Table
 
 
@@ -152,5 +152,5 @@ def target_table(errors: ProofErrors, words: Catalogue) -> Table:
 
 
 def _target_row(number: int, nest: int, place: FloatArray, size: FloatArray) -> tuple[str, ...]:
-    places = (fixed(float(x), 1, "mm") for x in place)
+    places = (format_fixed(float(x), 1, "mm") for x in place)
     return str((number + 1) // 2), str(nest), *places, *map(millimetres, size)

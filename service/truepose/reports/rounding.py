@@ -32,7 +32,7 @@ def with_minus(number: str) -> str:
     return ConvertibleNumber(lambda shown: _printed(number.shown(shown)), number.unit)
 
 
-def fixed(value: float, decimals: int, unit: str) -> str:
+def format_fixed(value: float, decimals: int, unit: str) -> str:
     """Return a value with as many decimals as its unit is worth."""
     if not math.isfinite(value):
         return MISSING
@@ -41,7 +41,7 @@ def fixed(value: float, decimals: int, unit: str) -> str:
 
 def uncertainty(value: float, unit: str = "") -> str:
     """Return an uncertainty with two significant digits."""
-    return rounded(value, value, unit)
+    return format_rounded(value, value, unit)
 
 
 def uncertainty_mm(value_mm: float) -> str:
@@ -49,7 +49,7 @@ def uncertainty_mm(value_mm: float) -> str:
     return uncertainty(value_mm, "mm")
 
 
-def rounded(value: float, standard_uncertainty: float, unit: str = "") -> str:
+def format_rounded(value: float, standard_uncertainty: float, unit: str = "") -> str:
     """Return `value` to the second digit of its uncertainty; four significant digits where there is none."""
     return _again(_rounded, (value,), standard_uncertainty, unit)
 

@@ -10,7 +10,7 @@ from truepose.messages.message import Message, message, together
 from truepose.reports.cover_page import Front
 from truepose.reports.limits import NO_LIMIT, FigureNames, Limit, LimitedTest
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import rounded
+from truepose.reports.rounding import format_rounded
 from truepose.reports.tables import Table, heads_of
 from truepose.validation.sphere_errors import SphereFigures
 from truepose.validation.sphere_test import NOMINAL, Sphere, SphereOfModel, SphereTest
@@ -111,7 +111,7 @@ def _row(
         model_name(one.model, words),
         words.say(centre),
         str(figures.n),
-        *(rounded(number.value, number.standard_uncertainty, "mm") for number in numbers),
+        *(format_rounded(number.value, number.standard_uncertainty, "mm") for number in numbers),
     )
 
 

@@ -12,7 +12,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.cell import Artefact, length_at
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, Text, message
-from truepose.reports.rounding import millimetres, rounded, uncertainty_mm
+from truepose.reports.rounding import format_rounded, millimetres, uncertainty_mm
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class LengthOfDay:
 def length_sentence(length: LengthOfDay) -> Message:
     """Return the length at 20 °C and, where that is known, what it was then."""
     u = length.standard_uncertainty_mm
-    at_20 = message("lengths.at_20", length=rounded(length.length_mm, u, "mm"), u=uncertainty_mm(u))
+    at_20 = message("lengths.at_20", length=format_rounded(length.length_mm, u, "mm"), u=uncertainty_mm(u))
     if length.temperature_c is None:
         return message("lengths.no_temperature", at_20=at_20)
     low, high = length.temperature_c
@@ -42,8 +42,8 @@ def length_sentence(length: LengthOfDay) -> Message:
         at_20=at_20,
         low_c=low,
         high_c=high,
-        shortest=rounded(min(ends), u, "mm"),
-        longest=rounded(max(ends), u, "mm"),
+        shortest=format_rounded(min(ends), u, "mm"),
+        longest=format_rounded(max(ends), u, "mm"),
         change=millimetres(farthest),
     )
 

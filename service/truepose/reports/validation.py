@@ -20,7 +20,7 @@ from truepose.reports.cover_page import DECIDED, Front, OneFigure, applied_rule,
 from truepose.reports.error_tables import Row, error_table, pair_rows, title_of, turns_table
 from truepose.reports.pose_test import pose_test_context, stated_conditions
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import millimetres, rounded, uncertainty, uncertainty_mm
+from truepose.reports.rounding import format_rounded, millimetres, uncertainty, uncertainty_mm
 from truepose.reports.tables import Table, on_terminal
 from truepose.reports.traceability import NOT_STATED, ReportConditions, with_temperature
 from truepose.validation.iso9283.pose_test import PoseTest
@@ -214,7 +214,7 @@ def _largest(found: Validation, words: Catalogue) -> OneFigure:
             name, words.units.quantity(millimetres(figures.max_mm), "mm"), words.say("front.of", n=figures.n)
         )
     expanded = 2.0 * known.identified.max_mm
-    value = rounded(figures.max_mm, expanded)
+    value = format_rounded(figures.max_mm, expanded)
     remark = words.say("front.of_with", u=uncertainty(expanded), n=figures.n)
     return OneFigure(name, words.units.quantity(value, "mm"), remark)
 

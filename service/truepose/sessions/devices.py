@@ -9,7 +9,7 @@ from typing import cast
 from truepose.domain.cell import DeviceEntry
 from truepose.domain.session import IdentityOf
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity_check import same_number, told
+from truepose.sessions.engine.identity_check import reported_serial_number, same_number
 from truepose.sessions.engine.interlocks import motion_notice
 from truepose.sessions.engine.ledger import Expected
 from truepose.sessions.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
@@ -60,7 +60,7 @@ class DeviceStatus:
     @property
     def answered_serial(self) -> str:
         """Return the serial number that it told, empty where it told none."""
-        return "" if self.identity is None else told(self.identity.serial)
+        return "" if self.identity is None else reported_serial_number(self.identity.serial)
 
 
 class DeviceRegistry:

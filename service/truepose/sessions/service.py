@@ -20,7 +20,7 @@ from truepose.sessions.cell import CurrentCell, speed_limits
 from truepose.sessions.devices import DeviceRegistry
 from truepose.sessions.engine.commands import ANSWERS, HALTS, LETS_MOVE, CommandName, OperatorCommand
 from truepose.sessions.engine.halts import ENDED_AT_REST
-from truepose.sessions.engine.interlocks import reduced
+from truepose.sessions.engine.interlocks import reduced_limits
 from truepose.sessions.engine.prompts import Prompt
 from truepose.sessions.engine.runner import SessionRunner
 from truepose.sessions.engine.states import ASKS, has_ended, words
@@ -107,7 +107,7 @@ class SessionService:
     async def speed_limits(self, setup: SessionSetup) -> MotionLimits:
         """Return the speeds above which nothing moves; reduced ones before the first session has finished."""
         speed = speed_limits(self.present.bound(setup.cell).limits)
-        return reduced(speed) if await self.is_first_pass(setup) else speed
+        return reduced_limits(speed) if await self.is_first_pass(setup) else speed
 
     def serve(self, kind: SessionKind[Any]) -> None:
         """Run sessions of this kind too."""

@@ -56,7 +56,7 @@ class DrawnFolder:
             os.utime(file)  # what is looked at stays longest
         except OSError:
             return None
-        drawn = drawn_of(kept[_HASH_BYTES:])
+        drawn = rendered_page(kept[_HASH_BYTES:])
         return drawn if kept[:_HASH_BYTES].hex() == drawn.sha256 else None
 
     def keep(self, of: str, drawn: RenderedPage) -> None:
@@ -95,7 +95,7 @@ class DrawnFolder:
         return self._folder / hashlib.sha256(of.encode()).hexdigest()
 
 
-def drawn_of(body: bytes) -> RenderedPage:
+def rendered_page(body: bytes) -> RenderedPage:
     """Return what was drawn with its hash."""
     return RenderedPage(body, hashlib.sha256(body).hexdigest())
 
@@ -156,7 +156,7 @@ class Comparisons:
         # newer one (decision 0069).
         if all(known.newest <= compared.newest for known in await self.of([compared.robot])):
             self._known[compared.robot] = compared
-            await asyncio.to_thread(self._folder.keep, _of(compared.robot), drawn_of(data))
+            await asyncio.to_thread(self._folder.keep, _of(compared.robot), rendered_page(data))
 
     def _read(self, robot: str) -> FleetComparison | None:
         kept = self._folder.get(_of(robot))

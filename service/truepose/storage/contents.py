@@ -34,7 +34,7 @@ class Counts:
     last_stamp: str | None  # of the newest event
 
 
-async def counted(database: Database) -> Counts:
+async def record_counts(database: Database) -> Counts:
     """Return the counts as of the last commit."""
     return await database.read(_counts)
 

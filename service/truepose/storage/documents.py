@@ -30,14 +30,14 @@ Array: TypeAlias = "np.ndarray[Any, Any]"
 _AS_IN_JSON: Final = frozenset({str, int, bool, object})
 
 
-def listed(values: Array) -> Any:
+def to_list(values: Array) -> Any:
     """Return an array as lists."""
     # Long columns of ordinary numbers need no look at each; a session under way waits meanwhile.
     plain = values.dtype.kind in "if" and bool(np.all(np.isfinite(values)))
     return values.tolist() if plain else to_document(values.tolist())
 
 
-def to_document(value: object, array: Callable[[Array], Any] = listed) -> Any:
+def to_document(value: object, array: Callable[[Array], Any] = to_list) -> Any:
     """Return `value` as what `json.dumps` takes; raises TypeError for a type that has no JSON form.
 
     `array` says what stands for an array.

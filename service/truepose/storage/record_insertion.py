@@ -85,7 +85,7 @@ def once(
     """
     # Within the transaction that writes: a request that is sent twice at once is two writes of one thread, of
     # which the second finds the first.
-    known = None if key is None else answered(connection, key, resource)
+    known = None if key is None else answered_number(connection, key, resource)
     if known is not None:
         return known
     number = create(connection)
@@ -101,7 +101,7 @@ def once(
     return number
 
 
-def answered(connection: Connection, key: RequestKey, resource: str) -> int | None:
+def answered_number(connection: Connection, key: RequestKey, resource: str) -> int | None:
     """Return the number that a request with this key got, None where it is new; raises KeyReusedError."""
     query = select(request_keys).where(request_keys.c.key == key.key)
     known = connection.execute(query).one_or_none()

@@ -41,7 +41,7 @@ class ReachedService:
 
 
 @contextlib.contextmanager
-def told_beside(database: Path, service: ReachedService) -> Iterator[None]:
+def publish_endpoint(database: Path, service: ReachedService) -> Iterator[None]:
     """Say beside a database how its service is reached, for as long as the context lasts."""
     place = _place(database)
     place.unlink(missing_ok=True)  # of a service that was killed; its owner may have been another

@@ -27,7 +27,7 @@ from truepose.domain.campaign import Readings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model, Parameter, Statistics, Unit
 from truepose.domain.robot import FramePlacement, JointRange
-from truepose.domain.singular_covariance import solved
+from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.frames.base_frame import WIDTH_MM, WIDTH_RAD
 from truepose.effects.names import nest_name
 from truepose.effects.ports import Trait
@@ -127,7 +127,7 @@ def far_values(model: Model) -> tuple[FarValue, ...]:
     return tuple(sorted((one for one in far if one.widths > FAR_WIDTHS), key=lambda one: -one.widths))
 
 
-def placed_at(model: Model, base: FramePlacement, *, nests_known: bool) -> Model:
+def moved_to(model: Model, base: FramePlacement, *, nests_known: bool) -> Model:
     """Return a model held against a robot that stands elsewhere.
 
     Parameters
@@ -385,7 +385,7 @@ def _nothing_changed(earlier: Model, later: Model, names: Sequence[str]) -> floa
     # In standard deviations: parameters in rad and mm differ by so much that rounding would make them
     # singular.
     scaled = (after - before) / scale
-    squared = float(scaled @ solved(covariance / np.outer(scale, scale), scaled))
+    squared = float(scaled @ solve_singular(covariance / np.outer(scale, scale), scaled))
     return chi2_exceeded(squared, len(names))
 
 

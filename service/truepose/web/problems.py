@@ -24,7 +24,7 @@ from truepose.analysis.errors import (
 from truepose.domain.errors import RecordRefusedError, TrueposeError, UnsuitableModelError, text_of
 from truepose.domain.people import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
-from truepose.messages.error_codes import code_named, code_of, explained
+from truepose.messages.error_codes import code_named, code_of, explain
 from truepose.messages.message import Text
 from truepose.people.errors import (
     AccountRefusedError,
@@ -70,7 +70,7 @@ def refused_page(request: Request, status: HTTPStatus, sentence: Text, code: str
     """Return the page of a code with the sentence of what happened here."""
     visit = visit_of(request, request.app.state.context)
     return visit.page(
-        "errors/error.html", status, told=explained(code, visit.words), sentence=visit.words.spoken(sentence)
+        "errors/error.html", status, told=explain(code, visit.words), sentence=visit.words.spoken(sentence)
     )
 
 
@@ -186,7 +186,7 @@ def problem_response(
 ) -> JSONResponse:
     """Return a problem document; its kind and code are those of the status unless others are given."""
     title, code = _title(status), code or code_named(_OF_STATUS[status])
-    told = explained(code, reader_words())
+    told = explain(code, reader_words())
     body = Problem(
         type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
         title=title,

@@ -34,7 +34,7 @@ def draw_plant(scenario: Scenario, rng: np.random.Generator) -> Plant:
     return Plant(arm, motions, compliance, _tool_mass(scenario))
 
 
-def adapted(scenario: Scenario, model: IdentifiedModel, robot: IdentifiedRobot) -> Scenario:
+def with_model(scenario: Scenario, model: IdentifiedModel, robot: IdentifiedRobot) -> Scenario:
     """Return the scenario with the model's tool and tracker in place of its own.
 
     Table, air, noise, faults and planted changes stay; what the robot itself was drawn from goes.

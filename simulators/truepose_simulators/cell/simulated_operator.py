@@ -17,7 +17,7 @@ from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.cell.robot import JointMotion
 from truepose_simulators.errors import HandsError, ScenarioError
 from truepose_simulators.instruments.gauges.ballbar import Ball, Ballbar, BallbarSurroundings, BarSet, Span
-from truepose_simulators.physics.rigid import FloatArray, placed
+from truepose_simulators.physics.rigid import FloatArray, pose_matrix
 from truepose_simulators.scenarios.scenario import Scenario
 from truepose_simulators.scenarios.table import read_table
 
@@ -102,7 +102,7 @@ class _Placement:
             return None
         if len(stated) < len(place + turn):
             raise HandsError("a mark is x_mm, y_mm, z_mm, rx_deg, ry_deg, rz_deg: state all of them or none")
-        return placed(np.array(stated[:3]), np.radians(stated[3:]))
+        return pose_matrix(np.array(stated[:3]), np.radians(stated[3:]))
 
 
 @dataclass(frozen=True, slots=True)

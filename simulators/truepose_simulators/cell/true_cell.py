@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from truepose_simulators.cell.building import Chances, adapted, draw_effects, draw_nests, draw_plant
+from truepose_simulators.cell.building import Chances, draw_effects, draw_nests, draw_plant, with_model
 from truepose_simulators.cell.environment import Air, CellClock
 from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.cell.robot import JointMotion, Robot, SpeedLimits, check_range
@@ -19,9 +19,9 @@ from truepose_simulators.instruments.tracker import (
     HOME_MM,
     Target,
     Tracker,
+    in_tracker_frame,
     place_tracker,
     returns_beam,
-    seen_from,
 )
 from truepose_simulators.physics.effects import Conditions, PlantedChange
 from truepose_simulators.physics.effects.ports import NestNumbers
@@ -49,7 +49,7 @@ class Cell:
         """
         identified = None if model is None else realise(model)
         if model is not None and identified is not None:
-            scenario = adapted(scenario, model, identified)
+            scenario = with_model(scenario, model, identified)
         # One more part leaves the others as they are: older cells keep their numbers.
         *parts, of_equipment, of_curves, of_loop = np.random.SeedSequence(seed).spawn(7)
         plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
@@ -267,7 +267,7 @@ class Cell:
         if target.startswith("tool"):
             nest = int(target.removeprefix("tool "))
             read = int(self.nests_read(np.array([nest]), now)[0])
-            places = seen_from(self.tracker.frame, self._tool_nests_now())
+            places = in_tracker_frame(self.tracker.frame, self._tool_nests_now())
             reading_mm = reading_mm + places[read - 1] - places[nest - 1]
         spoiled: FloatArray = self.spoiled(reading_mm[np.newaxis], now)[0]
         return spoiled
@@ -281,13 +281,13 @@ class Cell:
         acceptance = math.radians(self.scenario.tool.acceptance_deg)
         positions = self._tool_nests_now()
         visible = returns_beam(frame, positions, self._facing_now(), acceptance)
-        tool = enumerate(zip(seen_from(frame, positions), visible, strict=True), start=1)
+        tool = enumerate(zip(in_tracker_frame(frame, positions), visible, strict=True), start=1)
         targets = [
             Target(f"tool {number}", position, bool(seen))
             for number, (position, seen) in tool
             if not self.faults.smr_missing(number, now)
         ]
-        fixed = enumerate(seen_from(frame, self.fixed_nests_mm()), start=1)
+        fixed = enumerate(in_tracker_frame(frame, self.fixed_nests_mm()), start=1)
         home = Target("home", np.array(HOME_MM), True)
         return [*targets, *(Target(f"fixed {number}", position, True) for number, position in fixed), home]
 

@@ -168,7 +168,7 @@ class Tracker:
         return math.atan2(float(across), float(self.aim_mm @ target.position_mm))
 
 
-def seen_from(frame: FloatArray, position_mm: FloatArray) -> FloatArray:
+def in_tracker_frame(frame: FloatArray, position_mm: FloatArray) -> FloatArray:
     """World position in the tracker frame [mm]."""
     return move(inverse(frame), position_mm)
 

@@ -29,7 +29,7 @@ from truepose_simulators.faults.file import read_fault
 from truepose_simulators.instruments.camera import Camera
 from truepose_simulators.instruments.cell_endpoints import Operations, carry_out, requests_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.scenarios.file import read_change
@@ -117,7 +117,7 @@ def _robot(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 
 def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     del request
-    seen = seen_from(cell.tracker.frame, cell.fixed_nests_mm())
+    seen = in_tracker_frame(cell.tracker.frame, cell.fixed_nests_mm())
     return {"fixed_nests_seen_from_tracker_mm": (np.round(seen / _AIM_STEP_MM) * _AIM_STEP_MM).tolist()}
 
 

@@ -52,7 +52,7 @@ def wire_mm(end_mm: FloatArray, drum_mm: FloatArray, zero_mm: float) -> float:
     return float(np.linalg.norm(end_mm - drum_mm)) - zero_mm
 
 
-def seen_mm(sensor_mm: FloatArray, rotation: FloatArray, ball_mm: FloatArray, axis: int) -> float:
+def ball_position_mm(sensor_mm: FloatArray, rotation: FloatArray, ball_mm: FloatArray, axis: int) -> float:
     """Return where a fixed ball is along one axis of a sensor in the tool; `rotation` is the tool's."""
     return float(rotation[:, axis] @ (ball_mm - sensor_mm))
 

@@ -13,7 +13,7 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import Effect, ModelArm, realise_effect
 from truepose_simulators.physics.effects.compliance import springs
 from truepose_simulators.physics.effects.effect import COMPONENTS, IdentifiedEffect
-from truepose_simulators.physics.rigid import FloatArray, placed, to_six
+from truepose_simulators.physics.rigid import FloatArray, pose_matrix, to_six
 from truepose_simulators.physics.table_arm import (
     ArmTable,
     RowErrors,
@@ -34,7 +34,7 @@ def placed_base(start: FloatArray, stated: IdentifiedEffect) -> FloatArray:
     six = np.zeros(6)
     for (component,), value in stated.matching(r"base_(r?[xyz])", "base_x to base_rz"):
         six[COMPONENTS.index(component)] = value
-    base = placed(six[:3] + start[:3, 3], six[3:])
+    base = pose_matrix(six[:3] + start[:3, 3], six[3:])
     base[:3, :3] = base[:3, :3] @ start[:3, :3]
     return base
 

@@ -105,7 +105,7 @@ def to_six(pose: FloatArray) -> FloatArray:
     return np.concatenate([pose[..., :3, 3], to_rotation_vector(pose[..., :3, :3])], axis=-1)
 
 
-def placed(translation_mm: FloatArray, angles_rad: FloatArray) -> FloatArray:
+def pose_matrix(translation_mm: FloatArray, angles_rad: FloatArray) -> FloatArray:
     """Trans RotX RotY RotZ, in that order, from shapes (..., 3) [mm] and (..., 3) [rad]."""
     x, y, z = (rotation(angles_rad * axis) for axis in np.eye(3))
     return motion(translation_mm, x @ y @ z)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose_simulators.physics.arm import Arm, CarriedMass, JointAxis, Vector
-from truepose_simulators.physics.rigid import FloatArray, inverse, move, placed, to_six
+from truepose_simulators.physics.rigid import FloatArray, inverse, move, pose_matrix, to_six
 
 _FASTEST_RAD_S = math.radians(250.0)  # a small arm's; no model states speeds
 _FULL_TURN_RAD = 2.0 * math.pi
@@ -115,14 +115,14 @@ def _joint(row: TableRow, before: FloatArray, limit: tuple[float, float]) -> Joi
 
 def _row(alpha_rad: float, a_mm: float, beta_rad: float, theta_rad: float, d_mm: float) -> FloatArray:
     """RotX(alpha) TransX(a) RotY(beta) RotZ(theta) TransZ(d)."""
-    across = placed(np.array([a_mm, 0.0, 0.0]), np.array([alpha_rad, 0.0, 0.0]))
-    about = placed(np.zeros(3), np.array([0.0, beta_rad, theta_rad]))
+    across = pose_matrix(np.array([a_mm, 0.0, 0.0]), np.array([alpha_rad, 0.0, 0.0]))
+    about = pose_matrix(np.zeros(3), np.array([0.0, beta_rad, theta_rad]))
     joined: FloatArray = across @ about @ _along_z(d_mm)
     return joined
 
 
 def _along_z(d_mm: float) -> FloatArray:
-    return placed(np.array([0.0, 0.0, d_mm]), np.zeros(3))
+    return pose_matrix(np.array([0.0, 0.0, d_mm]), np.zeros(3))
 
 
 def _sense(row: TableRow) -> FloatArray:

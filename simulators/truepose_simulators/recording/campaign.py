@@ -11,7 +11,7 @@ import numpy as np
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.accuracy import covariance_mm2, face_error_mm, noise_mm
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray, move, register
@@ -51,7 +51,7 @@ class RegisteredTracker:
     def _raw_mm(self, true_mm: FloatArray, time_s: FloatArray) -> FloatArray:
         """Read points of the world in the tracker's own frame, shape (n, 3)."""
         cell, setup = self._cell, self._cell.scenario.tracker
-        seen = seen_from(cell.tracker_frames(time_s), true_mm)
+        seen = in_tracker_frame(cell.tracker_frames(time_s), true_mm)
         if cell.scenario.noise:
             seen = seen + face_error_mm(setup, seen, face=1) + noise_mm(setup, seen, self._rng)
         return cell.spoiled(seen, time_s)

@@ -19,13 +19,13 @@ import numpy as np
 
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ReplayError
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.instruments.truth import plant_document
 from truepose_simulators.physics.effects import Conditions, IdentifiedEffect
 from truepose_simulators.physics.effects.effect import COMPONENTS
 from truepose_simulators.physics.effects.thermal_growth import LENGTHS_HOLD_C
 from truepose_simulators.physics.identified import IdentifiedModel
-from truepose_simulators.physics.rigid import FloatArray, motion, move, placed, small_motion
+from truepose_simulators.physics.rigid import FloatArray, motion, move, pose_matrix, small_motion
 from truepose_simulators.recording.measured_campaign import (
     POINTS,
     MeasuredTable,
@@ -95,7 +95,7 @@ def places_of_fixed_nests(
         places[here] = read[here].mean(axis=0)
         if 1 <= number <= len(certified_mm):
             offset = offsets.get(int(number), np.zeros(3))
-            places[here] = move(placed(frame[:3], frame[3:]), certified_mm[int(number) - 1] + offset)
+            places[here] = move(pose_matrix(frame[:3], frame[3:]), certified_mm[int(number) - 1] + offset)
     return places
 
 
@@ -188,7 +188,7 @@ class _Tracker:
             _, stop = np.unique(table.known("config"), return_inverse=True)
             scattered = true_mm + self._scatter_mm * cell.noise.standard_normal((stop.max() + 1, 3))[stop]
         frames = small_motion(cell.planted.frame_motion(time_s)) @ self._frame
-        read = move(self._frame, cell.spoiled(seen_from(frames, scattered), time_s))
+        read = move(self._frame, cell.spoiled(in_tracker_frame(frames, scattered), time_s))
         if cell.noise is None:
             return read
         return read + draw_noise(table, read, self._frame[:3, 3], cell.noise)

@@ -17,7 +17,7 @@ import numpy as np
 from truepose_simulators.errors import ModelError, ScenarioError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.identified import IdentifiedModel
-from truepose_simulators.physics.rigid import FloatArray, placed
+from truepose_simulators.physics.rigid import FloatArray, pose_matrix
 from truepose_simulators.physics.table_arm import ArmTable, FrameMass, TableRow
 from truepose_simulators.scenarios.table import convert, read_table, read_text
 
@@ -166,7 +166,7 @@ def _arm(robot: object, where: str) -> ArmTable:
 
 def _base(place: _Placement) -> FloatArray:
     angles = np.radians([place.rx_deg, place.ry_deg, place.rz_deg])
-    return placed(np.array([place.x_mm, place.y_mm, place.z_mm]), angles)
+    return pose_matrix(np.array([place.x_mm, place.y_mm, place.z_mm]), angles)
 
 
 def _ranges(

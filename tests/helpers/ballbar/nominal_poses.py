@@ -3,12 +3,12 @@
 import numpy as np
 
 from truepose.planning.ballbar.bodies import chain_of, nest_places
-from truepose.planning.ballbar.poses import planned, reach
+from truepose.planning.ballbar.poses import planned_poses, reach
 
 
 def reachable(cell, fixture, first_config=1):
     """Return every measurable configuration as a planned pose, numbered from `first_config`."""
-    return planned(reach(cell, fixture), fixture.number, first_config)
+    return planned_poses(reach(cell, fixture), fixture.number, first_config)
 
 
 def nominal_lengths(cell, cups_mm, legs):

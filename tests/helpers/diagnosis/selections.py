@@ -7,10 +7,10 @@ import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.identification.synthetic import NOISE_MM
-from truepose.diagnosis.baseline_fit import Start, scene_of, started
-from truepose.diagnosis.evidence.residual_structure import left_by, prepared_families
-from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import Selection, chosen, refitted, select
+from truepose.diagnosis.baseline_fit import Start, fit_baseline, scene_of
+from truepose.diagnosis.evidence.residual_structure import prepared_families, residual_dependence
+from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.selection import Selection, chosen, refit_picks, select
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -49,7 +49,7 @@ def _usual_start(parameters, present, n, seed, noise_mm):
 
 
 def _start_on(campaign, present):
-    start = started(campaign, present, relabel=False)
+    start = fit_baseline(campaign, present, relabel=False)
     assert isinstance(start, Start)
     return start
 
@@ -57,20 +57,20 @@ def _start_on(campaign, present):
 def make_selected(start, picked, rivals=()):
     """The candidates `picked` fitted, those of `rivals` tried: each (effect, subject, first name or None)."""
     picks = tuple(found for one in picked for found in proposed(start.scene, *one)[:1])
-    fit = refitted(start.fit, start.fit, picks) if picks else start.fit
+    fit = refit_picks(start.fit, start.fit, picks) if picks else start.fit
     scene = scene_of(start.problem, fit)
     tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
-    return Selection(fit, picks, pooled(fit, (*picks, *tried)), full=False)
+    return Selection(fit, picks, pool_candidates(fit, (*picks, *tried)), full=False)
 
 
 def select_from(start, propose):
     """What a diagnosis would pick of what is proposed."""
-    return select(chosen(pooled(start.fit, propose(start.fit))), propose, lambda _share: None)
+    return select(chosen(pool_candidates(start.fit, propose(start.fit))), propose, lambda _share: None)
 
 
 def left_of(start, selected, without=()):
     """What a selection leaves."""
-    return left_by(start, selected, prepared_families(selected.fit, start.scene), without)
+    return residual_dependence(start, selected, prepared_families(selected.fit, start.scene), without)
 
 
 def proposed(scene, effect, subject, first=None):

@@ -8,7 +8,7 @@ from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.analysis import resampling as home
 from truepose.analysis.parallel.local_pool import Processes
 from truepose.analysis.parallel.tasks import Cluster
-from truepose.analysis.resampling import resampled
+from truepose.analysis.resampling import resample_parameters
 
 
 @pytest.fixture(autouse=True)
@@ -20,9 +20,9 @@ def test_two_processes_and_this_one_draw_the_same_bits():
     campaign = measured(nominal_campaign(20), effects=("base",))[0]
     told = []
 
-    here = resampled(Cluster(ThisProcess()), campaign, ("base",), "configurations", 25, seed=5)
+    here = resample_parameters(Cluster(ThisProcess()), campaign, ("base",), "configurations", 25, seed=5)
     with Processes(2) as places:
-        there = resampled(
+        there = resample_parameters(
             Cluster(places), campaign, ("base",), "configurations", 25, 5, lambda *one: told.append(one)
         )
 
@@ -35,7 +35,7 @@ def test_another_seed_draws_others():
     campaign = measured(nominal_campaign(20), effects=("base",))[0]
 
     one, other = (
-        resampled(Cluster(ThisProcess()), campaign, ("base",), "noise", 10, seed) for seed in (1, 2)
+        resample_parameters(Cluster(ThisProcess()), campaign, ("base",), "noise", 10, seed) for seed in (1, 2)
     )
 
     assert not np.array_equal(

@@ -9,7 +9,7 @@ import pytest
 import uvicorn
 
 from tests.helpers.machine import HANGS_S
-from truepose.app.connections import Census, Limits, looked_after
+from truepose.app.connections import Census, Limits, close_slow_connections
 from truepose.app.http_protocol import WatchedProtocol
 
 TIGHT = Limits(
@@ -51,7 +51,7 @@ async def served(limits=TIGHT):
         config.timeout_keep_alive = 60
         server = uvicorn.Server(config)
         server.capture_signals = contextlib.nullcontext
-        async with looked_after(census):
+        async with close_slow_connections(census):
             serving = asyncio.create_task(server.serve([listener]))
             yield listener.getsockname()[1], census
             server.should_exit = True

@@ -7,7 +7,7 @@ import pytest
 from tests.contract.benches import in_memory
 from tests.unit.service.sessions.tracker.fakes import ListLedger
 from tests.unit.service.sessions.tracker.operators import PatientOperator
-from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.contacts import ContactPlan, ContactTaken, Target, TargetKind
 from truepose.domain.session import SessionState
@@ -108,7 +108,7 @@ async def test_a_loop_is_planned_run_and_written_as_a_campaign(scenario):
     plan = plan_of(LR_MATE, wish(scenario))
 
     state, ledger = await run(scenario, plan)
-    campaign = contact_campaign("session 1", SessionSetup(LR_MATE), plan, taken_of(ledger.entries))
+    campaign = contact_campaign("session 1", SessionSetup(LR_MATE), plan, readings_of(ledger.entries))
     back = read_campaign_zip(write_campaign_zip(campaign))
 
     assert state is SessionState.FINISHED

@@ -22,7 +22,7 @@ from truepose.analysis.parallel import local_pool
 from truepose.analysis.parallel.tasks import Cluster
 from truepose.exchange.tables.files import Stated
 from truepose.storage.documents import pack
-from truepose.storage.plant.outbox import typed
+from truepose.storage.plant.outbox import to_typed_json
 from truepose.storage.plant.overview import CollectedCampaigns
 from truepose.storage.plant.tables import plant_journal, plant_results, plant_robots, plant_told
 
@@ -65,7 +65,7 @@ async def test_too_few_robots_are_told_what_is_missing(service):
 
 async def collect(service, campaigns, first=1):
     for number, (serial, day, recorded) in enumerate(campaigns, start=first):
-        content = json.dumps(typed({"campaign": pack(recorded.campaign)}))
+        content = json.dumps(to_typed_json({"campaign": pack(recorded.campaign)}))
         row = {"branch_id": 1, "link": number, "stream": 1, "record": "campaigns", "record_id": number}
         kept = {**row, "hash": b"-", "content": content, "verified": 1}
         await lay(service, (plant_journal, kept), result(number, serial, day.isoformat()))

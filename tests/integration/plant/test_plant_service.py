@@ -10,7 +10,7 @@ from tests.helpers.web.clients import client_of
 from truepose.app.plants import open_plant
 from truepose.domain.people import MACHINE, Role
 from truepose.messages.catalogue import catalogue
-from truepose.messages.error_codes import explained
+from truepose.messages.error_codes import explain
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.errors import ForeignDatabaseError, StorageUnavailableError
 from truepose.storage.plant.overview import PlantOverview
@@ -116,7 +116,7 @@ async def test_a_page_that_cannot_be_shown_says_why_and_what_to_do(service, gone
 
     assert (page.status_code, document.status_code) == (503, 503)
     assert gone in page.text
-    assert explained("TP-6001", catalogue("de")).do in page.text
+    assert explain("TP-6001", catalogue("de")).do in page.text
     assert document.json()["detail"] == gone
 
 

@@ -11,7 +11,7 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -110,7 +110,7 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
 
     # Another connection sees committed transactions only.
-    with closing(opened_at(database.backend.url)) as other:
+    with closing(open_reader(database.backend.url)) as other:
         assert other.execute("SELECT id FROM session_entries").fetchall() == [(number,)]
 
 

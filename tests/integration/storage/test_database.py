@@ -9,8 +9,8 @@ import pytest
 from sqlalchemy import text
 
 from truepose.storage.database import Database
-from truepose.storage.engine.address import shown_address
-from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.address import display_address
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.engine.schema import newest_revision
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import (
@@ -51,7 +51,7 @@ def test_a_killed_service_has_kept_every_reading_that_it_acknowledged(database_u
         acknowledged += [int(line) for line in writer.stdout if line.endswith("\n")]
 
     database = Database(database_url)  # the lock went with the process
-    with closing(opened_at(database_url)) as connection:
+    with closing(open_reader(database_url)) as connection:
         kept = [number for (number,) in connection.execute("SELECT id FROM readings ORDER BY id")]
     database.close()
 
@@ -173,13 +173,13 @@ def test_a_password_in_what_is_no_database_is_not_said(url):
 
 @pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg"])
 def test_a_server_is_the_same_by_each_name_of_its_kind(scheme):
-    assert shown_address(f"{scheme}://ada:secret@host/db") == "postgresql://ada@host/db"
+    assert display_address(f"{scheme}://ada:secret@host/db") == "postgresql://ada@host/db"
 
 
 def test_a_socket_may_stand_in_the_place_of_the_host():
-    shown = shown_address("postgresql://ada:secret@%2Frun%2Fpg:5433/db")
+    shown = display_address("postgresql://ada:secret@%2Frun%2Fpg:5433/db")
 
-    assert shown == shown_address("postgresql://ada:secret@:5433/db?host=/run/pg")
+    assert shown == display_address("postgresql://ada:secret@:5433/db?host=/run/pg")
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):

@@ -20,7 +20,7 @@ from truepose.storage import migrations
 from truepose.storage.backup.transfer import transfer
 from truepose.storage.database import Database
 from truepose.storage.engine import schema
-from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.errors import NewerSchemaError
 from truepose.storage.integrity.verification import verify_at
 from truepose.storage.record_insertion import add_row
@@ -76,7 +76,7 @@ def later(tmp_path):
 
 def everything(url):
     """Return every record of the tables that the first schema has, in the columns that it has."""
-    with closing(opened_at(url)) as connection:
+    with closing(open_reader(url)) as connection:
         found = {}
         for table in metadata.sorted_tables:
             columns = ", ".join(f'"{column.name}"' for column in table.columns)

@@ -22,7 +22,7 @@ from tests.studies.ballbar_report.robots import Outcome
 from tests.studies.ballbar_report.work import Extent, make_plans, outcomes_of, robots_of, slips_of
 from tests.studies.diagnosis_report.workers import worker_processes
 from tests.studies.report_command import add_sections, count, shown, status_of
-from truepose.demo.progress import shown_progress
+from truepose.demo.progress import progress_bar
 from truepose.exchange.json_text import render_json
 from truepose.reports.table_report import Section, write_table_report
 
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _sections(options: argparse.Namespace, extent: Extent, measured: _Measured) -> Iterator[Section]:
     plans = options.plans or options.out / "plans"
-    with shown_progress() as progress, worker_processes(options.jobs) as workers:
+    with progress_bar() as progress, worker_processes(options.jobs) as workers:
         if "pose-device" in options.sections:
             with progress.phase("pose device"):
                 section = pose_device_section(extent.draws, extent.first_seed)

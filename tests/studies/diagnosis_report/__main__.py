@@ -20,7 +20,7 @@ from tests.studies.diagnosis_report.timing import timing_section
 from tests.studies.diagnosis_report.workers import outcomes_of
 from tests.studies.report_command import add_sections, count, shown, status_of
 from truepose.analysis.parallel.local_pool import workers
-from truepose.demo.progress import RunProgress, shown_progress
+from truepose.demo.progress import RunProgress, progress_bar
 from truepose.exchange.json_text import render_json
 from truepose.reports.table_report import Section, write_table_report
 
@@ -42,7 +42,7 @@ def _sections(
     options: argparse.Namespace, every: tuple[Study, ...], outcomes: dict[str, list[Outcome]]
 ) -> Iterator[Section]:
     chosen = options.sections
-    with shown_progress() as progress:
+    with progress_bar() as progress:
         if _TIMING in chosen:
             with progress.phase("time of one diagnosis"):
                 section = timing_section()

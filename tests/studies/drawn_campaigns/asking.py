@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from tests.studies.drawn_campaigns.drawing import Drawn, drawn_campaign
-from truepose.correction import Summary, correct, likely_mistake, meant_by_joints
+from truepose.correction import Summary, correct, goals_of_joints, likely_mistake
 from truepose.correction.reduced_models import controller_values
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.campaign import Campaign
@@ -157,7 +157,7 @@ def _predicted(model: Model, campaign: Campaign) -> None:
 
 def _corrected(model: Model, campaign: Campaign) -> None:
     stops = campaign.readings.stops
-    goals, summary = meant_by_joints(model, stops), Summary()
+    goals, summary = goals_of_joints(model, stops), Summary()
     summary.add(list(map(str, stops.config)), correct(model, goals))
     likely_mistake(model, goals, in_base=False)
     largest_shift(model)

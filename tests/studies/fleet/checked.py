@@ -23,7 +23,7 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.campaigns import effects_of_robot, fleet_of, information_of
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, account_of
-from truepose.fleet.interim_check import LEVEL, InterimCheck, asked_of, grown, quick_check
+from truepose.fleet.interim_check import LEVEL, InterimCheck, checked_causes, grown, quick_check
 from truepose.fleet.predicted_accuracy import of_robot_now
 from truepose.identification.problem.build import JointPrior
 from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge
@@ -94,7 +94,7 @@ def _planned(seed: int, robots: int, grown_mm: float) -> Planned:
         PriorKnowledge(fixed_nests=described.fixed_nests),
     )
     candidates = draw_candidates(space, _CANDIDATES, np.random.default_rng([seed, 3]))
-    belief, causes = of_robot_now(account, account.fleet.robots[0]), asked_of(account)
+    belief, causes = of_robot_now(account, account.fleet.robots[0]), checked_causes(account)
     check = quick_check(space, candidates, belief, causes, grown_mm, knowns)
     knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
     moved = knowledge.places(candidates.joints_rad, candidates.nest).motion

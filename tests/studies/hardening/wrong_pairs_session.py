@@ -10,7 +10,7 @@ from tests.studies.hardening.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, 
 from truepose.analysis.ballbar_plans import precalibrate
 from truepose.analysis.campaigns.ballbar import RestPose, ValidCupSetup, ValidLength, ValidReadings, ValidSide
 from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
-from truepose.planning.ballbar.length_forecast import known_beforehand
+from truepose.planning.ballbar.length_forecast import forecast_lengths
 from truepose.validation.connection_check import judge_leg, judge_pose
 from truepose.validation.early_connection_check import begin, judge_early
 
@@ -42,7 +42,7 @@ class Site:
 
     def __post_init__(self):
         self.gauge = Gauge(self.rng)
-        self.beforehand = known_beforehand(self.setup.cell, self.plan, KIT)
+        self.beforehand = forecast_lengths(self.setup.cell, self.plan, KIT)
         nests = np.array([nest.centre_mm for nest in self.setup.cell.nests])
         self.sides = {(0, (a, b)): self._side(np.linalg.norm(nests[a - 1] - nests[b - 1]))
                       for a, b in ((1, 2), (2, 3), (1, 3))}  # fmt: skip

@@ -5,7 +5,7 @@ import hashlib
 import pytest
 
 from tests.helpers.web.clients import measured, served
-from truepose.reports.rounding import rounded
+from truepose.reports.rounding import format_rounded
 from truepose.settings import Settings
 
 _TURNS = [{"joint": 5, "lower_deg": 35, "upper_deg": 90, "step_deg": 5}]
@@ -39,5 +39,5 @@ async def test_what_a_session_turned_is_found_as_a_circle_with_both_directions(c
 
     page = (await client.get(f"/sessions/{session_id}/result")).text
     u = one["tangential_range_mm"]["standard_uncertainty"]
-    assert f'<td class="n">{rounded(one["tangential_range_mm"]["value"], u)}</td>' in page
+    assert f'<td class="n">{format_rounded(one["tangential_range_mm"]["value"], u)}</td>' in page
     assert hashlib.sha256(told.content).hexdigest() in page

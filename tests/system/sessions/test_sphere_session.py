@@ -10,7 +10,7 @@ from tests.studies.interruptions.killed_service import standing_service
 from truepose.demo.simulated_operator import SimulatedOperator
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
-from truepose.reports.rounding import rounded
+from truepose.reports.rounding import format_rounded
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign as write_recorded
 from truepose_simulators.recording.plan import RecordingRequest
@@ -69,6 +69,6 @@ async def test_a_model_that_commanded_the_arm_is_judged_about_the_ball_that_it_h
     page = (await service.get(session["result_url"])).text
     for one in ball["errors"]:
         mean = one["figures"][0]["mean_mm"]
-        assert f'<td class="n">{rounded(mean["value"], mean["standard_uncertainty"])}</td>' in page
+        assert f'<td class="n">{format_rounded(mean["value"], mean["standard_uncertainty"])}</td>' in page
     assert hashlib.sha256(told.content).hexdigest() in page
     assert f'href="/sessions/{number}/result"' in (await service.get("/sessions")).text

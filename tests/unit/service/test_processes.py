@@ -63,7 +63,7 @@ async def test_once_nobody_listens_any_more_a_process_is_ended_by_the_system(sys
 
 async def test_a_simulated_cell_hears_whoever_asks_it_to_end(system, handlers):
     for number in asking(system):
-        asked = __main__.asked_to_end()
+        asked = __main__.end_event()
         signal.raise_signal(number)
         await asyncio.wait_for(asked.wait(), HANGS_S)
         assert asked.is_set()

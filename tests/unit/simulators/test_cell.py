@@ -5,7 +5,7 @@ import pytest
 
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import move
 from truepose_simulators.physics.true_robot import NoEquilibriumError
@@ -115,7 +115,7 @@ async def test_a_noise_free_cell_reads_the_truth(make_cell):
     reading = cell.tracker.measure(1.0).position_mm
 
     nest = int(item.name[-1]) - 1
-    true = seen_from(cell.tracker.frame, cell.true_positions(stop)[0, nest])
+    true = in_tracker_frame(cell.tracker.frame, cell.true_positions(stop)[0, nest])
     assert reading == pytest.approx(true, abs=1e-9)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.accuracy import TrackerSetup, noise_mm
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import move
 from truepose_simulators.physics.true_robot import NoEquilibriumError
@@ -24,7 +24,7 @@ async def read_fixed(cell, number):
 
 def read_tool(cell, nest):
     """One reading of a tool nest, whether or not its reflector faces the tracker."""
-    position = seen_from(cell.tracker.frame, cell._tool_nests_now()[nest - 1])
+    position = in_tracker_frame(cell.tracker.frame, cell._tool_nests_now()[nest - 1])
     return cell._spoil(f"tool {nest}", position)
 
 

@@ -13,7 +13,7 @@ from truepose.messages.message import message
 from truepose.storage.records import SessionSetup
 
 
-def taken_of(entries: Iterable[LedgerEntry]) -> tuple[ContactTaken, ...]:
+def readings_of(entries: Iterable[LedgerEntry]) -> tuple[ContactTaken, ...]:
     """Return what was read, oldest first."""
     lines = (entry.contact for entry in entries if entry.kind is EntryKind.MEASURED)
     return tuple(contact for contact in lines if contact is not None)

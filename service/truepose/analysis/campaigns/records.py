@@ -9,9 +9,9 @@ from typing import Any, Final, TypeAlias
 from truepose.analysis.campaigns.tracker import (
     MeasuredSession,
     assemble_campaign,
-    judged_by,
     point_readings,
     summary_of,
+    with_validation_points,
 )
 from truepose.analysis.errors import NothingMeasuredError, RoleError
 from truepose.analysis.job_queue.tasks import stored_campaign
@@ -212,7 +212,9 @@ class CampaignService:
             campaign = await self._contacts(calibration_id, validation_id)
         elif role == "ballbar":
             campaign = await self._of_ballbar(calibration_id)
-            campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
+            campaign = (
+                campaign if validation is None else with_validation_points(campaign, calibration, validation)
+            )
         else:
             campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
         packed = await asyncio.to_thread(pack, campaign)
@@ -229,7 +231,7 @@ class CampaignService:
             await measured_session(self._sessions, self._readings, number)
             for number in (calibration_id, validation_id)
         ]
-        return judged_by(campaign, *measured)
+        return with_validation_points(campaign, *measured)
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip of a campaign folder, as it came or else written now; raises NotFoundError."""

@@ -100,7 +100,9 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
     )
 
 
-def judged_by(campaign: Campaign, calibration: MeasuredSession, validation: MeasuredSession) -> Campaign:
+def with_validation_points(
+    campaign: Campaign, calibration: MeasuredSession, validation: MeasuredSession
+) -> Campaign:
     """Return a campaign of legs with the points of a tracker session that judge its model.
 
     Raises

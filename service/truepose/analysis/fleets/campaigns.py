@@ -60,7 +60,7 @@ class CampaignEstimate:
         return Stated(self.robot_serial_number, self.instrument_serial_number, day)
 
 
-def told_of(campaign: Campaign, told: Information) -> CampaignEstimate:
+def summarise(campaign: Campaign, told: Information) -> CampaignEstimate:
     """Return what a campaign tells, with what it says of itself."""
     return CampaignEstimate(
         robot=campaign.robot,
@@ -90,10 +90,10 @@ def tell(content: bytes, _seed: np.random.SeedSequence) -> bytes:
     from truepose.fleet.campaigns import information_of
 
     campaign = stored_campaign(content)
-    return pack(told_of(campaign, information_of(campaign)))
+    return pack(summarise(campaign, information_of(campaign)))
 
 
-def told_from(data: bytes) -> CampaignEstimate:
+def summary_from(data: bytes) -> CampaignEstimate:
     """Read what `tell` returned; raises DamagedDatabaseError."""
     return unpack(CampaignEstimate, data)
 
@@ -129,7 +129,7 @@ _OTHER_TABLE = (
 )
 
 
-def said_unlike(one: OutlyingCampaign) -> str:
+def unlike_sentence(one: OutlyingCampaign) -> str:
     """Return in a sentence why a campaign is not compared with the others of its robot."""
     day = date.fromordinal(int(one.day)).isoformat()
     other = f"It fits {one.resembles}" if one.resembles else "It fits no other robot of the fleet"

@@ -11,7 +11,14 @@ import numpy as np
 
 from truepose.analysis.archive import ArchivedCampaign, sha256
 from truepose.analysis.archive_outcomes import keep_whole
-from truepose.analysis.fleets.campaigns import CampaignEstimate, Entry, said_unlike, tell, told_from, unfit_of
+from truepose.analysis.fleets.campaigns import (
+    CampaignEstimate,
+    Entry,
+    summary_from,
+    tell,
+    unfit_of,
+    unlike_sentence,
+)
 from truepose.analysis.parallel.arithmetic import program
 from truepose.analysis.parallel.tasks import Cluster, Part, PartFailure
 from truepose.domain.errors import ConfigurationError, TrueposeError
@@ -119,7 +126,7 @@ def fleet_found(
     ]
     _check_enough(measured, without)
     account = account_of(fleet_of(measured), fit[0].told.robot)
-    unlike = {one.place: said_unlike(one) for one in account.unlike}
+    unlike = {one.place: unlike_sentence(one) for one in account.unlike}
     return FleetFound(
         fit[0].told.robot,
         account,
@@ -189,7 +196,7 @@ class FleetArchive:
                 continue
             file = self._file(content)
             if file is not None and file.is_file():
-                self._told[place] = told_from(file.read_bytes())
+                self._told[place] = summary_from(file.read_bytes())
             else:
                 self._asked.append((place, file))
                 yield Part(campaign.name, content)
@@ -204,7 +211,7 @@ class FleetArchive:
     def _keep(self, place: int, answer: bytes, file: Path | None) -> None:
         if file is not None:
             keep_whole(file, answer)
-        self._told[place] = told_from(answer)
+        self._told[place] = summary_from(answer)
 
     def _stated(self, archived: ArchivedCampaign, told: CampaignEstimate) -> Stated:
         by_table = self._visits.get(archived.name, NOT_STATED)

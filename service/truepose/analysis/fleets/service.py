@@ -12,7 +12,7 @@ from truepose.analysis.errors import ClusterError
 from truepose.analysis.page_services import Renderer
 from truepose.analysis.parallel.addresses import Reach
 from truepose.domain.errors import ConfigurationError, TrueposeError
-from truepose.storage.caches import DrawnFolder, drawn_of
+from truepose.storage.caches import DrawnFolder, rendered_page
 from truepose.storage.plant.overview import CollectedCampaigns
 from truepose.storage.plant.queries import ResultRecord
 from truepose.version import program_sha256
@@ -118,7 +118,7 @@ class FleetService:
 
     async def _asked(self, campaigns: Sequence[ResultRecord]) -> list[CollectedCampaign]:
         contents = tuple([await self._campaigns.content(one) for one in campaigns])
-        answers = _unframed(await self._drawing.draw(told_of_all, FleetRequest(contents, self._where)))
+        answers = _unframed(await self._drawing.draw(summaries, FleetRequest(contents, self._where)))
         found, fault = [], ""
         for one, (answer, text) in zip(campaigns, answers, strict=True):
             if answer is _Answer.NOT_ASKED:
@@ -136,7 +136,7 @@ class FleetService:
 
     async def _keep(self, found: CollectedCampaign) -> None:
         program = await asyncio.to_thread(program_sha256)
-        await asyncio.to_thread(self._kept.keep, _of(program, found.seen), drawn_of(found.told))
+        await asyncio.to_thread(self._kept.keep, _of(program, found.seen), rendered_page(found.told))
 
 
 def _of(program: str, campaign: ResultRecord) -> str:
@@ -146,7 +146,7 @@ def _of(program: str, campaign: ResultRecord) -> str:
     return f"{program}\n{(campaign.cell, *numbers, campaign.name, *robot, campaign.measured_on)}"
 
 
-def told_of_all(asked: FleetRequest) -> bytes:
+def summaries(asked: FleetRequest) -> bytes:
     """Return what stored campaigns tell, or why one does not, one frame each.
 
     In a worker process, where the numerics are imported, which takes longer than a campaign.

@@ -164,10 +164,10 @@ class CorrectFileTask:
 def _columns(model: Model, rows: "Rows") -> CorrectedTargets:
     import numpy as np
 
-    from truepose.correction import shifted_by
+    from truepose.correction import pose_shifts
 
     found = rows.found
-    place, shift = shifted_by(model, rows.goals, found.joints_rad)
+    place, shift = pose_shifts(model, rows.goals, found.joints_rad)
     return CorrectedTargets(
         names=rows.names,
         statuses=tuple(map(str, found.status)),

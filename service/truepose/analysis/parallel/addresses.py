@@ -29,7 +29,7 @@ class WorkerAddress:
         return host.strip("[]"), int(port)
 
 
-def named(where: str) -> WorkerAddress:
+def worker_address(where: str) -> WorkerAddress:
     """Return what is meant; raises ConfigurationError for what cannot be, and where Dask is not installed."""
     if where.startswith(_SCHEME):
         address = where.removeprefix(_SCHEME).rstrip("/")
@@ -77,7 +77,7 @@ class Reach:
     """
 
     def __init__(self, where: str, now_s: Callable[[], float] = time.monotonic) -> None:
-        self._scheduler = named(where)
+        self._scheduler = worker_address(where)
         self._now_s = now_s
         self._fault = ""
         self._seen_s = -_AGAIN_S

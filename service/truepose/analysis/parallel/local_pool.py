@@ -16,7 +16,7 @@ from typing import IO, Final
 
 from truepose.analysis.errors import ClusterError
 from truepose.analysis.job_queue.pipe import packed, received, unpacked
-from truepose.analysis.parallel.addresses import WorkerAddress, has_dask, named
+from truepose.analysis.parallel.addresses import WorkerAddress, has_dask, worker_address
 from truepose.analysis.parallel.tasks import ALLOWED_FAILURES, Cluster, Reply, Task, lost_reply
 from truepose.start import ONE_THREAD
 
@@ -182,7 +182,7 @@ def workers(where: str | None, parts: int) -> Iterator[Cluster]:
         The workers cannot be reached or would not compute the same bits.
     """
     count = max(1, min(_cores(), parts))
-    asked = _usual(count, parts) if where is None else named(where)
+    asked = _usual(count, parts) if where is None else worker_address(where)
     with contextlib.ExitStack() as held:
         if asked.scheduler:
             from truepose.analysis.parallel.dask_pool import of_scheduler

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.diagnosis.evidence.signature_functions import described
+from truepose.diagnosis.evidence.signature_functions import signatures_in_data
 from truepose.diagnosis.screening.candidates import Pool, candidate_motions
 from truepose.diagnosis.screening.normal_equations import NormalEquations, normal_of
 from truepose.diagnosis.screening.selection import Choice, chosen
@@ -138,7 +138,7 @@ class Nested:
 
 def _described(choice: Choice) -> tuple[Sequence[Candidate], NormalEquations]:
     """Return all cells that a choice asks for, and the normal equations with them."""
-    whole = described(choice.pool, choice.picks)
+    whole = signatures_in_data(choice.pool, choice.picks)
     # Beside the start, where the picks are not fitted: they are among the cells, each by itself.
     return whole.candidates, whole.fitted(choice.first)
 

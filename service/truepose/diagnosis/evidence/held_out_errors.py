@@ -21,7 +21,7 @@ from truepose.diagnosis.screening.selection import Choice, Selection, names_of
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, sites
 from truepose.domain.diagnosis import Gain, HeldOutErrors
-from truepose.domain.singular_covariance import solved
+from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import of_legs, signature_of
 from truepose.identification.distributions import chi2_median
@@ -32,7 +32,7 @@ from truepose.identification.verdict.judge import (
     Assessment,
     expected_noise_mm,
     judge_estimates,
-    observed,
+    observation_block,
 )
 
 _RESAMPLED = 1000  # 25 of them lie beyond either end of the interval
@@ -278,7 +278,7 @@ def validation_block(campaign: Campaign, structure: Structure) -> ObservationBlo
         None where there are none.
     """
     readings = campaign.held_out
-    return None if readings is None else observed(readings, campaign.scatter_mm, structure)
+    return None if readings is None else observation_block(readings, campaign.scatter_mm, structure)
 
 
 def _residual(block: ObservationBlock, structure: Structure, values: FloatArray) -> FloatArray:
@@ -295,7 +295,7 @@ def _without(block: ObservationBlock, full: RobustFit, group: tuple[Candidate, .
     names = names_of(group)
     out = np.array([name in names for name in full.structure.names])
     covariance = full.solution.covariance
-    values = full.values - covariance[:, out] @ solved(covariance[np.ix_(out, out)], full.values[out])
+    values = full.values - covariance[:, out] @ solve_singular(covariance[np.ix_(out, out)], full.values[out])
     # Exactly: where C_vv is singular, the equation leaves a rest of what it does not determine.
     values[out] = 0.0
     return _residual(block, full.structure, values)

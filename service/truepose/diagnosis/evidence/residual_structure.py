@@ -17,7 +17,7 @@ from truepose.diagnosis.angle_steps import AngleSteps, telling_steps
 from truepose.diagnosis.baseline_fit import Start
 from truepose.diagnosis.distributions import chi2_log_density
 from truepose.diagnosis.reading_faults import Tails, tails
-from truepose.diagnosis.screening.candidates import pooled, term_columns
+from truepose.diagnosis.screening.candidates import pool_candidates, term_columns
 from truepose.diagnosis.screening.normal_equations import Products, Projection, products_of
 from truepose.diagnosis.screening.selection import LEVEL, Selection
 from truepose.diagnosis.screening.significance import chance, most_likely, screen
@@ -38,7 +38,7 @@ NEST_LEVEL = 1e-3  # chance that nests which stand still are taken for contradic
 _SLOW = frozenset({"drift", "settling"})
 
 
-def speak_against(fit: RobustFit, cell: ErrorSignature) -> bool:
+def fixed_nests_contradict(fit: RobustFit, cell: ErrorSignature) -> bool:
     """Return whether fixed nests contradict a model and, with it, what it says of a cell.
 
     Parameters
@@ -69,7 +69,7 @@ def chance_of_nests(fit: RobustFit) -> float:
     return min(block.contradiction(result) for block, result in zip(fit.blocks, fit.results, strict=True))
 
 
-def accused(selected: Selection, cell: ErrorSignature) -> tuple[Cause, ...]:
+def instrument_suspects(selected: Selection, cell: ErrorSignature) -> tuple[Cause, ...]:
     """Return what of the instrument would look like a cell, as far as it was tried and not found.
 
     Parameters
@@ -141,7 +141,7 @@ def prepared_families(fit: RobustFit, scene: Scene) -> tuple[Prepared, ...]:
     return tuple(found)
 
 
-def structured(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
+def test_families(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
     """Test every family past what is fitted.
 
     Parameters
@@ -300,7 +300,7 @@ class Remainder:
         return self.worse_unseen > expected
 
 
-def left_by(
+def residual_dependence(
     start: Start,
     selected: Selection,
     families: tuple[Prepared, ...],
@@ -336,7 +336,7 @@ def left_by(
             one.family,
             products=one.products,
         )
-        for one in structured(families, past)
+        for one in test_families(families, past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
     found += _waves(start, selected, without, refuted)
@@ -383,7 +383,7 @@ def _waves(
     # for noise.
     left_out = [name for name in waves if name in without]
     if left_out:
-        pool = pooled(
+        pool = pool_candidates(
             selected.fit, [one for name in left_out for one in CAUSES[name].candidates(start.scene)]
         )
     if not pool.all:

@@ -13,7 +13,7 @@ import numpy as np
 from truepose.diagnosis.screening.selection import Selection, names_of
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.diagnosis import Described, EffectSize
-from truepose.domain.singular_covariance import solved
+from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from truepose.effects.registry import CAUSES
@@ -144,7 +144,7 @@ def _own_effect(selected: Selection, names: Sequence[str]) -> FloatArray:
     """
     rows = [selected.fit.structure.index_of(name) for name in names]
     values, covariance = values_of(selected, names)
-    step = selected.fit.solution.covariance[:, rows] @ solved(covariance, values)
+    step = selected.fit.solution.covariance[:, rows] @ solve_singular(covariance, values)
     return np.asarray(np.tensordot(step, selected.fit.results[0].jacobian, 1))
 
 
@@ -168,7 +168,7 @@ def values_of(selected: Selection, names: Sequence[str]) -> tuple[FloatArray, Fl
     return selected.fit.values[rows], selected.fit.solution.covariance[np.ix_(rows, rows)]
 
 
-def moved_by(selected: Selection, terms: Sequence[Term], count: int) -> FloatArray:
+def parameter_effects(selected: Selection, terms: Sequence[Term], count: int) -> FloatArray:
     """Return what further parameters do to each reading, per unit.
 
     Parameters
@@ -204,7 +204,7 @@ def of_joint(selected: Selection, joint: int) -> FloatArray:
     ndarray, shape (n, d)
         [mm/rad].
     """
-    unit: FloatArray = moved_by(selected, [Term(0, Port(PortKind.THETA, joint), 1.0)], 1)[0]
+    unit: FloatArray = parameter_effects(selected, [Term(0, Port(PortKind.THETA, joint), 1.0)], 1)[0]
     return unit
 
 
@@ -222,7 +222,7 @@ def of_body(selected: Selection, body: int) -> FloatArray:
     ndarray, shape (3, n, d)
         [1].
     """
-    return moved_by(selected, [Term(axis, motion_port(body, axis), 1.0) for axis in range(3)], 3)
+    return parameter_effects(selected, [Term(axis, motion_port(body, axis), 1.0) for axis in range(3)], 3)
 
 
 def description_of(

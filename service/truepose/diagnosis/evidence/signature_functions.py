@@ -153,7 +153,7 @@ class SignatureComponents:
         return pool.normal.beside(pool.products.rows(self.rows), widths, names_of(self.candidates))
 
 
-def described(pool: Pool, picks: Sequence[Candidate] = ()) -> SignatureComponents:
+def signatures_in_data(pool: Pool, picks: Sequence[Candidate] = ()) -> SignatureComponents:
     """Return the cells that the data ask for, those of the picks among them.
 
     Parameters

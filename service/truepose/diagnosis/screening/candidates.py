@@ -356,7 +356,7 @@ class View:
         return np.asarray(self.pool.grams[index] - absorbed @ absorbed.T)
 
 
-def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
+def pool_candidates(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
     """Linearise candidates at a fit.
 
     Parameters

@@ -18,8 +18,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.diagnosis.screening.candidates import View, pooled
-from truepose.diagnosis.screening.selection import Propose, Selection, names_of, reselected
+from truepose.diagnosis.screening.candidates import View, pool_candidates
+from truepose.diagnosis.screening.selection import Propose, Selection, names_of, reselect
 from truepose.diagnosis.screening.significance import screen
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
@@ -61,7 +61,7 @@ def with_exact_moments(start: RobustFit, selected: Selection, propose: Propose, 
     found = (placed.get(pick.names, pick) for pick in selected.picks)
     # Two jumps that meet in one gap have the same names: they are one jump, and together would be singular.
     picks = tuple({pick.names: pick for pick in found}.values())
-    return selected if picks == selected.picks else reselected(start, selected, picks, propose)
+    return selected if picks == selected.picks else reselect(start, selected, picks, propose)
 
 
 def _placed(weighed: RobustFit, selected: Selection, jump: Candidate, scene: Scene) -> Candidate:
@@ -76,7 +76,7 @@ def _placed(weighed: RobustFit, selected: Selection, jump: Candidate, scene: Sce
     found = [one for one in CAUSES[jump.effect].candidates(others) if _same_place(one, jump)]
     if not found:
         return jump
-    view = pooled(weighed, found).view(without=jump.names)
+    view = pool_candidates(weighed, found).view(without=jump.names)
     return found[int(np.argmax(screen(view).explained))]
 
 
@@ -120,7 +120,7 @@ def with_lines_between(start: RobustFit, selected: Selection, propose: Propose, 
         if line is None:
             return selected
         others = tuple(pick for pick in selected.picks if pick not in bunch)
-        selected = reselected(start, selected, (*others, line), propose)
+        selected = reselect(start, selected, (*others, line), propose)
 
 
 def _bunches(picks: Sequence[Candidate], scene: Scene) -> list[tuple[Candidate, ...]]:
@@ -196,7 +196,7 @@ def _of_order(wave: Candidate, order: float) -> Candidate:
 
 def _without(bunch: Sequence[Candidate], selected: Selection, candidates: Sequence[Candidate]) -> View:
     """Return candidates as they stand at the selection's fit, the bunch left out."""
-    return pooled(selected.fit, candidates).view(without=names_of(bunch))
+    return pool_candidates(selected.fit, candidates).view(without=names_of(bunch))
 
 
 def _gain(view: View) -> FloatArray:

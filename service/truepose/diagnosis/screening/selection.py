@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.diagnosis.screening.candidates import Pool, View, pooled
+from truepose.diagnosis.screening.candidates import Pool, View, pool_candidates
 from truepose.diagnosis.screening.significance import Screening, screen
 from truepose.effects.causes import Candidate
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.effects.signatures import plural_of
-from truepose.identification.fit.robust import RobustFit, settled
+from truepose.identification.fit.robust import RobustFit, settled_fit
 
 Group = tuple[str, tuple[Candidate, ...]]  # subject and picks
 
@@ -29,7 +29,7 @@ _MANY = 3  # joints that share a cause from this number on
 _ORDERS_APART = 2  # waves of one joint that are told one by one; more are told together
 
 
-def grouped(picks: Sequence[Candidate]) -> tuple[Group, ...]:
+def group_by_subject(picks: Sequence[Candidate]) -> tuple[Group, ...]:
     """Return subjects and their picks, in the order in which they were found.
 
     Parameters
@@ -156,13 +156,13 @@ def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> S
         if not choice.picks:
             break
         picks += choice.picks
-        fit = refitted(start, fit, picks)
-        pool = pooled(fit, (*picks, *propose(fit)))
+        fit = refit_picks(start, fit, picks)
+        pool = pool_candidates(fit, (*picks, *propose(fit)))
         kept = _worth(picks, pool)
         if _differ(kept, picks):
             picks = kept
-            fit = refitted(start, fit, picks)
-            pool = pooled(fit, (*picks, *propose(fit)))
+            fit = refit_picks(start, fit, picks)
+            pool = pool_candidates(fit, (*picks, *propose(fit)))
             # What was chosen in this round went again at once: the next round would only choose it anew.
             if not any(candidate.same_as(other) for candidate in choice.picks for other in kept):
                 break
@@ -282,7 +282,7 @@ def _carried(view: View, parameters: float) -> bool:
     return bool(view.sums.observations / view.sums.alike >= _READINGS_PER_PARAMETER * used)
 
 
-def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
+def refit_picks(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
     """Fit the start model with the picks' parameters.
 
     Parameters
@@ -303,7 +303,7 @@ def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) 
     # Parameters that the previous fit lacks begin at their prior's mean; the others are nearly there already.
     known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
     values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
-    return settled(structure, previous.blocks, values, rounds=_ROUNDS)
+    return settled_fit(structure, previous.blocks, values, rounds=_ROUNDS)
 
 
 def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
@@ -339,7 +339,7 @@ def _judged(index: int, pick: Candidate, pool: Pool, gone: tuple[str, ...] = ())
     return _Judged(_sized(pool.all[index], screened, 0) if worth else None, score)
 
 
-def reselected(
+def reselect(
     start: RobustFit, selected: Selection, kept: tuple[Candidate, ...], propose: Propose
 ) -> Selection:
     """Return the selection with some of its picks only, as far as they are worth it, fitted again.
@@ -361,8 +361,8 @@ def reselected(
     """
     resized = 0
     while True:
-        fit = refitted(start, selected.fit, kept) if kept else start
-        pool = pooled(fit, (*kept, *propose(fit)))
+        fit = refit_picks(start, selected.fit, kept) if kept else start
+        pool = pool_candidates(fit, (*kept, *propose(fit)))
         worth = tuple(_worth(kept, pool))
         # A function whose size swings between two steps of its grid would be fitted again for ever.
         settled_down = resized == _MOST_REFITS or not _differ(worth, kept)

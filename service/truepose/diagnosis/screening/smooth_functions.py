@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.effects.causes import Scene, varied
+from truepose.effects.causes import Scene, has_spread
 from truepose.effects.ports import Port, PortKind, Term, motion_port
 from truepose.identification.model.evaluation import State
 
@@ -76,15 +76,15 @@ def families(scene: Scene) -> tuple[Family, ...]:
     found += [_coupling(j, scene.setting.robot.n_joints) for j in joints]
     found += [_torque(j) for j in _loaded(scene)]
     found += [_direction(j) for j in joints if _has_directions(scene, j)]
-    if scene.stops.time_s is not None and varied(scene.stops.time_s):
+    if scene.stops.time_s is not None and has_spread(scene.stops.time_s):
         span = _span(scene.stops.time_s)
         found += [_time(what, span) for what in ("place", "tool", "lengths")]
         # Without fixed nests the frame of the instrument and the place of the base move readings alike.
         if len(scene.reference_s):
             found.append(_time("instrument", span))
-    if scene.stops.temperature_c is not None and varied(scene.stops.temperature_c):
+    if scene.stops.temperature_c is not None and has_spread(scene.stops.temperature_c):
         found.append(_temperature(float(np.nanmean(scene.stops.temperature_c))))
-    if scene.stops.attachment is not None and varied(scene.stops.attachment):
+    if scene.stops.attachment is not None and has_spread(scene.stops.attachment):
         found.append(_attachment(scene.stops.attachment))
     nests = np.unique(scene.nest)
     if len(nests) > 1:
@@ -123,7 +123,7 @@ def _loaded(scene: Scene) -> list[int]:
 
 def _has_directions(scene: Scene, joint: int) -> bool:
     """Whether a joint (0-based) is known to have come from more than one side."""
-    return scene.stops.direction is not None and varied(scene.stops.direction[:, joint])
+    return scene.stops.direction is not None and has_spread(scene.stops.direction[:, joint])
 
 
 def _span(time_s: FloatArray) -> tuple[float, float]:

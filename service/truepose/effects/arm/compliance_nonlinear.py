@@ -12,7 +12,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
-from truepose.domain.singular_covariance import solved
+from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.arm.compliance import VISIBLE_RAD, compliance_prior, known_torque
 from truepose.effects.causes import (
     FEWEST_TOGETHER,
@@ -192,7 +192,7 @@ def _common(shares: FloatArray, covariance: FloatArray) -> tuple[float, float]:
 
     With C the covariance: s = 1^T C^-1 shares / (1^T C^-1 1), variance 1 / (1^T C^-1 1).
     """
-    weights = solved(covariance, np.ones(len(shares)))
+    weights = solve_singular(covariance, np.ones(len(shares)))
     information = float(weights.sum())
     return float(weights @ shares) / information, float(1.0 / np.sqrt(information))
 

@@ -13,7 +13,7 @@ from truepose.effects.drifts import (
     drift_candidates,
     drift_specs,
     drift_terms,
-    goes_on,
+    is_endless_drift,
 )
 from truepose.effects.motions import without_times
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
@@ -43,7 +43,7 @@ class BaseDrift:
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
         """Return whether one of the shapes has no end of its own."""
-        return goes_on(names)
+        return is_endless_drift(names)
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need times."""

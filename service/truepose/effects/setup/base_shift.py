@@ -7,7 +7,7 @@ parameters from a moment on (`effects.motions`).
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature, varied
+from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature, has_spread
 from truepose.effects.motions import (
     Motion,
     Widths,
@@ -48,7 +48,7 @@ class BaseShift:
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need times and several stops before and after."""
-        if not varied(scene.stops.time_s):
+        if not has_spread(scene.stops.time_s):
             return without_times(scene)
         if not gaps_of_all(scene):
             return message("unseen.few_readings")

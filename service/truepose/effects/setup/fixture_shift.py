@@ -9,7 +9,15 @@ import numpy as np
 
 from truepose.domain.arrays import distinct_values
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import OF_SUBJECT, Candidate, Description, FittedCause, Scene, Signature, varied
+from truepose.effects.causes import (
+    OF_SUBJECT,
+    Candidate,
+    Description,
+    FittedCause,
+    Scene,
+    Signature,
+    has_spread,
+)
 from truepose.effects.motions import (
     Gap,
     Motion,
@@ -54,7 +62,7 @@ class FixtureShift:
         """Need lengths from base nests with times, several before and after."""
         if not scene.legs:
             return message("unseen.no_fixture")
-        if not varied(scene.stops.time_s):
+        if not has_spread(scene.stops.time_s):
             return without_times(scene)
         if not any(_gaps(scene, placement) for placement in _placements(scene)):
             return message("unseen.few_lengths")

@@ -13,7 +13,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.identification import Unit
 from truepose.effects.arm.thermal_growth import MATERIALS, ThermalGrowth, range_k, warmer_k
-from truepose.effects.causes import Scene, varied
+from truepose.effects.causes import Scene, has_spread
 from truepose.effects.motions import (
     COMPONENTS,
     SECONDS_PER_HOUR,
@@ -98,13 +98,13 @@ def _known_to(time_s: float, variants: Variants) -> float:
 
 
 def _joints(scene: Scene) -> list[Place]:
-    timed = varied(scene.stops.time_s)
+    timed = has_spread(scene.stops.time_s)
     # Joints that do not turn are asked as well: their zeros jump and drift all the same.
     return [(joint + 1,) for joint in range(scene.setting.robot.n_joints)] if timed else []
 
 
 def _tool(scene: Scene) -> list[Place]:
-    return [ALONE] if varied(scene.stops.time_s) else []
+    return [ALONE] if has_spread(scene.stops.time_s) else []
 
 
 def _tracker(scene: Scene) -> list[Place]:

@@ -58,7 +58,7 @@ class _Row:
 Pairs = Sequence[tuple[_Row, NamedPoint]]
 
 
-def joined(
+def join_tables(
     points: Sequence[NamedPoint],
     file: str,
     data: bytes,
@@ -196,7 +196,7 @@ class Stated:
 def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign, JoinedTable]:
     """Return the campaign, and what belongs to nothing; raises InputFileError, UnknownRobotError."""
     listed = read_point_list(points.name, read_bytes(points), stated.unit)
-    found = joined(listed, joints.name, read_bytes(joints), names=stated.names, u_mm=stated.u_mm)
+    found = join_tables(listed, joints.name, read_bytes(joints), names=stated.names, u_mm=stated.u_mm)
     described = {
         **campaign_keys(named_robot(stated.robot)),
         "tool_nests_mm": [list(centre) for centre in stated.nests_mm] or _unknown(found),

@@ -43,7 +43,7 @@ class Guess:
 Guesses: TypeAlias = dict[int, Guess]  # by column, from 0
 
 
-def guessed(sheet: Sheet) -> tuple[Guess, ...]:
+def guess_columns(sheet: Sheet) -> tuple[Guess, ...]:
     """Return a guess for each column of a table."""
     values = [_values(sheet, number) for number in range(len(sheet.header))]
     names = [heading(name) for name in sheet.header]

@@ -150,7 +150,7 @@ def _moment(cell: str) -> float | None:
         return None
 
 
-def joined(parts: Sequence[ImportedTable]) -> ImportedTable:
+def join_readings(parts: Sequence[ImportedTable]) -> ImportedTable:
     """Return readings of several tables as one; a column that one of them lacks is empty there."""
     names = dict.fromkeys(name for part in parts for name in part.columns)
     columns = {

@@ -63,14 +63,14 @@ def _file(said: Mapping[str, Any]) -> FileChoice:
     return FileChoice(said.get("role"), columns, edits | left_out)
 
 
-def merged(before: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
+def merge_patch(before: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
     """Return a document with what was said since, member by member; null takes one back (RFC 7396)."""
     found = dict(before)
     for key, value in said.items():
         if value is None:
             found.pop(key, None)
         elif isinstance(value, Mapping):
-            found[key] = merged(found.get(key) or {}, value)
+            found[key] = merge_patch(found.get(key) or {}, value)
         else:
             found[key] = value
     return found

@@ -7,7 +7,7 @@ from truepose.exchange.errors import InputFileError
 from truepose.exchange.import_wizard.columns import ImportedTable, ImportedValueError, labels_of
 from truepose.exchange.import_wizard.dialogue import DetectedColumn, DetectedFile, DisplayedLine, Fault
 from truepose.exchange.import_wizard.files import Piece
-from truepose.exchange.import_wizard.sheet import cells_of, decoded, lines_of
+from truepose.exchange.import_wizard.sheet import cells_of, decode_text, lines_of
 from truepose.exchange.import_wizard.tables import DetectedTable
 from truepose.messages.message import Message, message
 
@@ -22,7 +22,7 @@ def in_its_file(error: InputFileError, table: ImportedTable) -> InputFileError:
     return ImportedValueError(error.sentence, table.places[error.row], error.column)
 
 
-def shown(error: InputFileError, pieces: Sequence[Piece], sheets: Sequence[DetectedTable]) -> Fault:
+def display_fault(error: InputFileError, pieces: Sequence[Piece], sheets: Sequence[DetectedTable]) -> Fault:
     """Return a fault as it is shown, with the lines around it."""
     piece = next((one for one in pieces if one.name == error.file), None)
     if piece is None or error.line is None:
@@ -41,7 +41,9 @@ def _column(error: InputFileError, sheets: Sequence[DetectedTable]) -> int | Non
 
 def _lines(piece: Piece, line: int) -> tuple[DisplayedLine, ...]:
     sheet = piece.sheet
-    lines = sheet.lines if sheet is not None else tuple(lines_of(piece.name, decoded(piece.name, piece.data)))
+    lines = (
+        sheet.lines if sheet is not None else tuple(lines_of(piece.name, decode_text(piece.name, piece.data)))
+    )
     numbers = range(max(1, line - _AROUND), min(len(lines), line + _AROUND) + 1)
     return tuple(
         _line(number, lines[number - 1], None if sheet is None else sheet.separator) for number in numbers

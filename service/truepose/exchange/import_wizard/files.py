@@ -11,7 +11,7 @@ from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.campaigns.zip_file import read_zip_files
 from truepose.exchange.errors import InputFileError, UnreadableFileError, UnsafeArchiveError
 from truepose.exchange.import_wizard.dialogue import Choices, Kind
-from truepose.exchange.import_wizard.sheet import Sheet, decoded, lines_of, read_sheet
+from truepose.exchange.import_wizard.sheet import Sheet, decode_text, lines_of, read_sheet
 from truepose.exchange.import_wizard.workbook import is_workbook, read_workbook
 from truepose.exchange.robots.named import is_robot_file
 from truepose.messages.message import Text, message
@@ -33,7 +33,7 @@ class Piece:
     fault: InputFileError | None = None
 
 
-def unpacked(files: Mapping[str, bytes]) -> dict[str, bytes]:
+def unpack_files(files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Return files by their plain names, those of archives and sheets of workbooks too.
 
     Raises InputFileError.
@@ -108,7 +108,7 @@ def with_edits(name: str, data: bytes, edits: Mapping[int, str | None]) -> bytes
     """Return the text of a file with lines that somebody corrected; one that is left out is blank."""
     if not edits:
         return data
-    lines = lines_of(name, decoded(name, data))
+    lines = lines_of(name, decode_text(name, data))
     told = [edits.get(number, line) or "" for number, line in enumerate(lines, start=1)]
     return "\n".join(told).encode()
 

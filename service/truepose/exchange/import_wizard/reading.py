@@ -32,8 +32,8 @@ from truepose.exchange.import_wizard.dialogue import (
     Understood,
 )
 from truepose.exchange.import_wizard.display import files_seen, notes_on
-from truepose.exchange.import_wizard.files import MOST_FILES, Piece, pieces, unpacked, with_edits
-from truepose.exchange.import_wizard.robots import Found, changed, robot_of
+from truepose.exchange.import_wizard.files import MOST_FILES, Piece, pieces, unpack_files, with_edits
+from truepose.exchange.import_wizard.robots import Found, apply_changes, robot_of
 from truepose.exchange.import_wizard.tables import (
     DetectedTable,
     by_role,
@@ -97,7 +97,7 @@ def read_imported_files(files: Mapping[str, bytes], choices: Choices | None = No
         An archive cannot be opened, or no honest program writes it.
     """
     said_so = choices or Choices()
-    found = pieces(unpacked(files), said_so)
+    found = pieces(unpack_files(files), said_so)
     return _as_a_folder(found, said_so) or _guessed(found, said_so)
 
 
@@ -119,7 +119,7 @@ def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
     except _OF_ANOTHER_FORM:
         return None
     except InputFileError as error:
-        return Reading(Understood(files_seen(found, ()), fault=display.shown(error, found, ())))
+        return Reading(Understood(files_seen(found, ()), fault=display.display_fault(error, found, ())))
     return _of_a_folder(found, campaign, choices)
 
 
@@ -180,7 +180,7 @@ def _guessed(found: tuple[Piece, ...], choices: Choices) -> Reading:
         dated = replace(choices, measured_on=choices.measured_on or _day(found))
         return _read(_Gathered(found, sheets, tables, stated, dated), understood)
     except InputFileError as error:
-        return Reading(replace(understood, fault=display.shown(error, found, sheets)))
+        return Reading(replace(understood, fault=display.display_fault(error, found, sheets)))
 
 
 def _stated(found: Sequence[Piece]) -> dict[str, object]:
@@ -230,7 +230,7 @@ def _read(gathered: _Gathered, understood: Understood) -> Reading:
     try:
         return _finished(_campaign(gathered, found.robot, scatter), gathered.choices, seen)
     except InputFileError as error:
-        return Reading(replace(seen, fault=display.shown(error, gathered.pieces, gathered.sheets)))
+        return Reading(replace(seen, fault=display.display_fault(error, gathered.pieces, gathered.sheets)))
 
 
 def _of_robot(found: Found) -> list[Question]:
@@ -261,7 +261,7 @@ def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Ca
     filled = {
         role: _with_uncertainty(table, choices.u_mm or scatter_mm) for role, table in gathered.tables.items()
     }
-    meant = {role: changed(robot, table.columns, choices.changes) for role, table in filled.items()}
+    meant = {role: apply_changes(robot, table.columns, choices.changes) for role, table in filled.items()}
     keys = {**_keys(next(iter(meant.values()))[0], filled.values()), **gathered.stated}
     if scatter_mm is not None and choices.u_mm is None:
         keys["u_includes_repeatability"] = True

@@ -167,7 +167,7 @@ def _require_joints(changes: Sequence[Change], n_joints: int) -> None:
         raise ConfigurationError("A change names a joint that this robot has not; take the change back.")
 
 
-def changed(
+def apply_changes(
     robot: Robot, columns: Mapping[str, Cells], changes: Sequence[Change]
 ) -> tuple[Robot, dict[str, Cells]]:
     """Return a robot and a table as they are meant, after changes that somebody accepted."""

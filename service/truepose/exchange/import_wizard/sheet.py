@@ -31,7 +31,7 @@ _QUOTED: Final = re.compile(r'"[^"]*"')
 _LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
 
-def decoded(file: str, data: bytes) -> str:
+def decode_text(file: str, data: bytes) -> str:
     """Return the text of a file; raises UnreadableFileError for what is none."""
     for mark, sentence in _BINARY.items():
         if data.startswith(mark):
@@ -182,7 +182,7 @@ def read_sheet(file: str, data: bytes, edits: Edits | None = None) -> Sheet:
     UnreadableFileError
         It is no text, or there is no table of numbers in it.
     """
-    texts = _edited(lines_of(file, decoded(file, data)), edits or {})
+    texts = _edited(lines_of(file, decode_text(file, data)), edits or {})
     kept = [(number, text) for number, text in enumerate(texts, start=1) if text.strip()]
     separator = separator_of([text for _, text in kept])
     split = [(number, cells_of(text, separator)) for number, text in kept]

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.exchange.errors import BadValueError
-from truepose.exchange.import_wizard.column_detection import Guess, guessed
+from truepose.exchange.import_wizard.column_detection import Guess, guess_columns
 from truepose.exchange.import_wizard.columns import (
     Cells,
     ImportedTable,
     ImportedValueError,
     in_format,
-    joined,
+    join_readings,
 )
 from truepose.exchange.import_wizard.dialogue import Choices
 from truepose.exchange.import_wizard.files import Piece
@@ -135,7 +135,7 @@ def _columns(sheet: Sheet, choices: Choices) -> tuple[tuple[Guess, ...], frozens
     chosen = choices.of(sheet.name).columns
     guesses = [
         Guess(chosen[at], "certain", message("bring.why.said")) if at in chosen else guess
-        for at, guess in enumerate(guessed(sheet))
+        for at, guess in enumerate(guess_columns(sheet))
     ]
     return tuple(guesses), frozenset(chosen)
 
@@ -181,7 +181,7 @@ def by_role(sheets: Sequence[DetectedTable]) -> dict[str, ImportedTable]:
             if not one.has("joint") and halves:
                 own = _with_joints(own, in_format(halves[0].sheet, halves[0].meanings))
             found.setdefault(one.role, []).append(own)
-    return {role: _numbered(joined(parts), several=len(parts) > 1) for role, parts in found.items()}
+    return {role: _numbered(join_readings(parts), several=len(parts) > 1) for role, parts in found.items()}
 
 
 def _with_joints(points: ImportedTable, joints: ImportedTable) -> ImportedTable:

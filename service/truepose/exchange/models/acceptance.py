@@ -31,7 +31,7 @@ from truepose.validation.model_comparison import (
     LargestShift,
     far_values,
     largest_shift,
-    placed_at,
+    moved_to,
 )
 
 _MOST_NAMED: Final = 3
@@ -201,7 +201,7 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
             f"The model was made with another tool, whose nests lie up to {apart_mm:.3g} mm elsewhere. "
             f"{_THEN}"
         )
-    here = placed_at(model, cell.base_nominal, nests_known=bool(known) and None not in known)
+    here = moved_to(model, cell.base_nominal, nests_known=bool(known) and None not in known)
     limits = cell.limits
     space = limits.calibration or cell.robot.calibration_ranges or limits.joints or cell.robot.joint_limits
     return HandedModel(

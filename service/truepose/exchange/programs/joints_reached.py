@@ -46,7 +46,7 @@ def from_horizontal(robot: Robot, joints: Configuration) -> Configuration:
     return _turned(robot, joints, 1.0)
 
 
-def uncoupled(robot: Robot, program: Program) -> Program:
+def uncouple(robot: Robot, program: Program) -> Program:
     """Return a program whose configurations are those of the model."""
     targets = (
         replace(target, value=from_upper_arm(robot, target.value))

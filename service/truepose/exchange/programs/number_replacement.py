@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import hypot, isfinite
 from typing import Final, TypeAlias
 
-from truepose.exchange.programs.pose_notation import near_quaternion, normalised
+from truepose.exchange.programs.pose_notation import near_quaternion, normalise
 from truepose.exchange.programs.program import (
     Configuration,
     Number,
@@ -84,7 +84,7 @@ def _rotation(target: ProgramTarget, quaternion: Quaternion, stood: tuple[float,
     """Return the quaternion that is nearest to the one that stood, of the two that are the same rotation."""
     if abs(hypot(*quaternion) - 1.0) > _MOST_OFF_UNIT:
         raise ValueError(f"{target.name}: {quaternion} is no unit quaternion")
-    return tuple(near_quaternion(normalised(quaternion), stood))
+    return tuple(near_quaternion(normalise(quaternion), stood))
 
 
 def _groups(value: Value) -> tuple[tuple[float, ...], ...]:

@@ -23,7 +23,7 @@ from truepose.exchange.programs.program import (
     Source,
     Value,
 )
-from truepose.exchange.programs.tokens import Tokens, shown
+from truepose.exchange.programs.tokens import Tokens, display_tokens
 from truepose.messages.message import Message, Text, message
 
 COMPUTED: Final = message("left.computed")
@@ -92,7 +92,7 @@ class Draft:
 
     def shown(self, words: Tokens) -> str:
         """Return words of the text as a person reads them, cut where they are long."""
-        return shown(self.source, words)
+        return display_tokens(self.source, words)
 
     def add(self, target: ProgramTarget, *, if_used: bool = False) -> int:
         """Add a target and return its index.

@@ -22,7 +22,7 @@ _MOST_OFF_UNIT: Final = 0.01  # four decimals are off by 1e-4
 _NO_TURN_RAD: Final = 1e-12  # shorter rotation vectors have no direction
 
 
-def normalised(numbers: Numbers) -> Quaternion:
+def normalise(numbers: Numbers) -> Quaternion:
     """Return a quaternion of norm 1; the zero quaternion is returned as it is."""
     w, x, y, z = numbers
     norm = sqrt(w * w + x * x + y * y + z * z) or 1.0
@@ -52,17 +52,17 @@ def conjugate(quaternion: Quaternion) -> Quaternion:
     return w, -x, -y, -z
 
 
-def turned(quaternion: Quaternion, vector: Triple) -> Triple:
+def rotate(quaternion: Quaternion, vector: Triple) -> Triple:
     """Return a vector turned by a rotation."""
     _, x, y, z = product(product(quaternion, (0.0, *vector)), conjugate(quaternion))
     return x, y, z
 
 
-def placed(outer: Pose, inner: Pose) -> Pose:
+def compose(outer: Pose, inner: Pose) -> Pose:
     """Return the pose of `inner`, which is given in the frame `outer`, in the frame of `outer`."""
-    x, y, z = turned(outer.quaternion, inner.position_mm)
+    x, y, z = rotate(outer.quaternion, inner.position_mm)
     a, b, c = outer.position_mm
-    return Pose((a + x, b + y, c + z), normalised(product(outer.quaternion, inner.quaternion)))
+    return Pose((a + x, b + y, c + z), normalise(product(outer.quaternion, inner.quaternion)))
 
 
 def near_quaternion(quaternion: Numbers, stood: Numbers) -> Numbers:
@@ -93,7 +93,7 @@ def from_vector(vector_rad: Numbers) -> Quaternion:
     x, y, z = vector_rad
     angle = sqrt(x * x + y * y + z * z)
     if angle < _NO_TURN_RAD:
-        return normalised((1.0, x / 2, y / 2, z / 2))
+        return normalise((1.0, x / 2, y / 2, z / 2))
     share = sin(angle / 2) / angle
     return cos(angle / 2), x * share, y * share, z * share
 
@@ -197,7 +197,7 @@ METRES: Final = _scaled(lambda m: m * 1e3, lambda mm: mm / 1e3, _MM_DECIMALS + 3
 INCHES: Final = _scaled(lambda inch: inch * 25.4, lambda mm: mm / 25.4, _MM_DECIMALS + 2)
 JOINT_DEGREES: Final = degrees_of_joints()
 JOINT_RADIANS: Final = _scaled(float, float, _RADIAN_DECIMALS)
-QUATERNION: Final = Form(normalised, near_quaternion, _QUATERNION_DECIMALS)
+QUATERNION: Final = Form(normalise, near_quaternion, _QUATERNION_DECIMALS)
 ROTATION_VECTOR: Final = Form(from_vector, near_vector, _RADIAN_DECIMALS)
 XYZ_DEGREES: Final = turns_in_degrees("xyz")
 ZYX_DEGREES: Final = turns_in_degrees("zyx")

@@ -36,7 +36,7 @@ from truepose.exchange.programs.joints_reached import (
     befores,
     can_be_coupled,
     from_horizontal,
-    uncoupled,
+    uncouple,
 )
 from truepose.exchange.programs.languages.json_list import nest_frame
 from truepose.exchange.programs.number_replacement import rewritten
@@ -113,7 +113,7 @@ def corrected_program(
     def known(read: Program) -> Program:
         """Return a program as it is read, with frames that it only names, and joints as the model counts."""
         framed = _with_frames(read, _nests(model) | dict(understood.defined))
-        return uncoupled(model.robot, framed) if coupled else framed
+        return uncouple(model.robot, framed) if coupled else framed
 
     written, program = program, known(program)
     run = _Run(model, program, understood)

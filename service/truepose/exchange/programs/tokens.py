@@ -170,7 +170,7 @@ def numbers(source: Source, found: Sequence[Tokens] | None, count: int) -> tuple
     return literal if len(literal) == len(read) == count else None
 
 
-def shown(source: Source, found: Tokens) -> str:
+def display_tokens(source: Source, found: Tokens) -> str:
     """Return tokens as a person reads them, cut where they are long."""
     if not found:
         return ""

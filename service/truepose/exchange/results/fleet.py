@@ -18,7 +18,8 @@ from truepose.fleet.mixed_model import uncertainties
 from truepose.fleet.predicted_accuracy import PredictedAccuracy
 from truepose.fleet.sentences import (
     change_said,
-    compared,
+    change_sentences,
+    comparison_sentence,
     day_of,
     drift_um_per_m,
     grown_said,
@@ -28,10 +29,9 @@ from truepose.fleet.sentences import (
     next_said,
     passing_said,
     scatter_said,
-    told_of,
     why_said,
 )
-from truepose.fleet.trend import LimitCrossing, Why, along, concerned, due, passing
+from truepose.fleet.trend import LimitCrossing, Why, affected_campaigns, along, due, passing
 from truepose.fleet.trials import Kind, Scope
 from truepose.messages.message import Message
 
@@ -110,7 +110,7 @@ class ChangeDocument(RivalDocument):
                 AlongDocument(day=_date(day), size_mm=size, standard_uncertainty_mm=u)
                 for day, size, u in course
             ],
-            sentences=list(told_of(account, named, passes)),
+            sentences=list(change_sentences(account, named, passes)),
         )
 
 
@@ -270,10 +270,10 @@ def fleet_document(
         next=[DueDocument.of(one, sentence=why_said(one, limit_mm)) for one in due(account, limit_mm)],
         new_robot=new_robot,
         checked=checked,
-        type=list(shared(account)),
+        type=list(shared_parameters(account)),
         left_out=list(left_out),
         sentences=[
-            compared(account),
+            comparison_sentence(account),
             headline(account),
             *least_said(account),
             *_next(account, limit_mm),
@@ -293,7 +293,7 @@ def _least_drifts(account: Account) -> Iterator[LeastDriftDocument]:
         yield LeastDriftDocument(instrument=name, days=days, size_mm=size_mm, um_per_m=um_per_m)
 
 
-def shared(account: Account) -> list[SharedDocument]:
+def shared_parameters(account: Account) -> list[SharedDocument]:
     """Return what the robots have in common, parameter by parameter."""
     fleet, estimated = account.fleet, account.estimated
     own = slice(len(fleet.specs))
@@ -320,5 +320,5 @@ def shared(account: Account) -> list[SharedDocument]:
 
 
 def _passing(account: Account, named: RealChange, passes: LimitCrossing) -> PassingDocument:
-    last = float(account.fleet.day[concerned(account.fleet, named)].max())
+    last = float(account.fleet.day[affected_campaigns(account.fleet, named)].max())
     return PassingDocument.of(passes, sentence=passing_said(passes, last))

@@ -159,7 +159,7 @@ class ConsideredCovariances:
         return self.readings + self.nests + self.registration
 
 
-def considered(campaign: Campaign, fit: RobustFit) -> ConsideredCovariances:
+def propagate_certificates(campaign: Campaign, fit: RobustFit) -> ConsideredCovariances:
     """Carry the certified uncertainties into the covariance of the parameters.
 
     Parameters

@@ -45,7 +45,7 @@ from truepose.identification.observations.blocks import (
     ObservationBlock,
     StackedBlocks,
     linearise_blocks,
-    reweighed,
+    reweigh,
 )
 
 _SOFT_ROUNDS = 40
@@ -127,7 +127,7 @@ def _refit(
         start,
         structure.prior_means,
         structure.prior_widths,
-        first=reweighed(blocks, point),
+        first=reweigh(blocks, point),
     )
 
 
@@ -177,7 +177,7 @@ def counted_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], star
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
-def settled(
+def settled_fit(
     structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
 ) -> RobustFit:
     """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again.

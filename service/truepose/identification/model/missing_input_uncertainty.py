@@ -79,7 +79,7 @@ def span_of(identified_from: dict[str, str | int | float]) -> Span:
     return Span(**known)
 
 
-def spanned(read: Sequence[Stops], origin_s: float) -> dict[str, float]:
+def span_of_readings(read: Sequence[Stops], origin_s: float) -> dict[str, float]:
     """Return what a model is to say about its readings, those that judge it too, as far as it is known.
 
     Parameters
@@ -111,7 +111,7 @@ def _known(column: FloatArray | None) -> FloatArray:
     return np.zeros(0) if column is None else column[np.isfinite(column)]
 
 
-def left_out(structure: Structure, targets: Targets) -> tuple[Message, ...]:
+def missing_input_sentences(structure: Structure, targets: Targets) -> tuple[Message, ...]:
     """Return one sentence for every effect that some of the targets do not tell enough about.
 
     Parameters
@@ -129,7 +129,7 @@ def left_out(structure: Structure, targets: Targets) -> tuple[Message, ...]:
     return tuple(sentences)
 
 
-def left_out_variance(
+def missing_input_variance(
     structure: Structure, values: FloatArray, targets: Targets, position_mm: FloatArray, span: Span
 ) -> FloatArray:
     """Return the variance per axis that what is left out adds to each position.

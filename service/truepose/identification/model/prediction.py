@@ -22,7 +22,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model, ModelInadequacy, Parameter
-from truepose.domain.last_moves import told_moves
+from truepose.domain.last_moves import with_moves
 from truepose.effects.ports import ParameterSpec, PortKind, Rows
 from truepose.effects.registry import effect_named
 from truepose.identification.model.derivatives import (
@@ -33,8 +33,12 @@ from truepose.identification.model.derivatives import (
 )
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
 from truepose.identification.model.evaluation import State, Targets, evaluate, rows_of
-from truepose.identification.model.missing_input_uncertainty import left_out, left_out_variance, span_of
-from truepose.identification.model.validity import held, held_variance
+from truepose.identification.model.missing_input_uncertainty import (
+    missing_input_sentences,
+    missing_input_variance,
+    span_of,
+)
+from truepose.identification.model.validity import held_effect_sentences, held_effect_variance
 from truepose.kinematics.chain import theta_gradient
 from truepose.messages.message import Message
 
@@ -171,7 +175,7 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
         Another number of joints, an unknown nest, or measured torques that the model needs are missing.
     """
     # Rows in the order of time tell how far each joint came: an effect that asks for it is then not left out.
-    targets = Targets(told_moves(stops), nest)
+    targets = Targets(with_moves(stops), nest)
     check_targets(model, targets)
     state = evaluate(structure_of(model), values_of(model), targets)
     jacobian = position_jacobian(state)
@@ -231,14 +235,14 @@ def unpredictable(model: Model, stops: Stops) -> tuple[Message, ...]:
     stops : Stops
         The rows; which nest does not matter.
     """
-    return unpredictable_at(model, Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
+    return unpredictable_at(model, Targets(with_moves(stops), np.ones(len(stops), dtype=np.int64)))
 
 
 def unpredictable_at(model: Model, targets: Targets) -> tuple[Message, ...]:
     """Return one sentence for every effect whose part in some of the predictions is not known well."""
     # First what rows do not tell, then what nobody followed as far.
     structure = structure_of(model)
-    return left_out(structure, targets) + held(structure, targets)
+    return missing_input_sentences(structure, targets) + held_effect_sentences(structure, targets)
 
 
 def unknown_variance(model: Model, state: State) -> FloatArray:
@@ -256,5 +260,7 @@ def unknown_variance(model: Model, state: State) -> FloatArray:
         [mm2]; 0 where the rows tell all and are within the time of the readings.
     """
     structure, values, targets = state.structure, state.values, state.targets
-    missing = left_out_variance(structure, values, targets, state.position_mm, span_of(model.identified_from))
-    return np.asarray(missing + held_variance(structure, values, model.covariance, targets))
+    missing = missing_input_variance(
+        structure, values, targets, state.position_mm, span_of(model.identified_from)
+    )
+    return np.asarray(missing + held_effect_variance(structure, values, model.covariance, targets))

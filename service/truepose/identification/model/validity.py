@@ -32,7 +32,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import MeasuredZone, Model
 from truepose.domain.robot import JointRange, Robot
 from truepose.effects.motions import SECONDS_PER_HOUR
-from truepose.effects.registry import goes_on
+from truepose.effects.registry import is_unbounded_in_time
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
@@ -142,7 +142,7 @@ def _along(robot: Robot, joints_rad: FloatArray) -> FloatArray:
     return np.asarray(nominal_chain(robot, joints_rad).end_origin @ DIRECTIONS.T)
 
 
-def held(structure: Structure, targets: Targets) -> tuple[Message, ...]:
+def held_effect_sentences(structure: Structure, targets: Targets) -> tuple[Message, ...]:
     """Return one sentence for every effect that is held in some rows because nobody followed it there.
 
     Parameters
@@ -162,7 +162,7 @@ def held(structure: Structure, targets: Targets) -> tuple[Message, ...]:
     )
 
 
-def held_variance(
+def held_effect_variance(
     structure: Structure, values: FloatArray, covariance: FloatArray, targets: Targets
 ) -> FloatArray:
     """Return the variance per axis that drifts add beyond the readings, mean of the three.
@@ -209,7 +209,9 @@ def _mean_square_per_h(
 
 
 def _going_on(structure: Structure) -> tuple[str, ...]:
-    return tuple(effect for effect in structure.effects if goes_on(effect, structure.names_of(effect)))
+    return tuple(
+        effect for effect in structure.effects if is_unbounded_in_time(effect, structure.names_of(effect))
+    )
 
 
 def hours_beyond(structure: Structure, stops: Stops) -> FloatArray:

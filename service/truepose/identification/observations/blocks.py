@@ -425,7 +425,7 @@ def linearise_blocks(
     )
 
 
-def reweighed(blocks: tuple[ObservationBlock, ...], point: StackedBlocks) -> StackedBlocks:
+def reweigh(blocks: tuple[ObservationBlock, ...], point: StackedBlocks) -> StackedBlocks:
     """Return a point with its blocks as they weigh now, their predictions unchanged."""
     # Weights change no prediction; a fit linearises half as often for it.
     return _stacked(

@@ -240,7 +240,7 @@ def change_that_fits(
         nominal_chain(robot, evidence.joints_rad).origin[-1]
     ):
         return Change("metres")
-    meant = Interpretation(robot, thinned(evidence))
+    meant = Interpretation(robot, thin_readings(evidence))
     # Clearly better than the table as it is: every hypothesis explains some of a robot's own errors by
     # chance.
     best, best_mm = None, min(_CLEARLY_BETTER * typical_mm(meant, free), plausible_mm(robot))
@@ -270,7 +270,7 @@ def spread_mm(points_mm: FloatArray) -> float:
     return float(np.linalg.norm(points_mm - points_mm.mean(axis=0), axis=1).mean())
 
 
-def thinned(evidence: Evidence) -> Evidence:
+def thin_readings(evidence: Evidence) -> Evidence:
     """Return as many readings, evenly spread over the rows, as hypotheses are compared on."""
     rows = distinct_values(
         np.linspace(0, len(evidence.nest) - 1, min(len(evidence.nest), _SUBSET)).astype(np.int64)

@@ -22,7 +22,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.identification import NotIdentifiable
 from truepose.effects.frames.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
-from truepose.effects.registry import effects_with, left_open_by
+from truepose.effects.registry import effects_with, undetermined_by_construction
 from truepose.identification.model.structure import Structure, certified_zeros
 from truepose.messages.message import Message, message
 
@@ -146,10 +146,10 @@ def not_identifiable(
         By construction first, then what these configurations leave open.
     """
     built_in = _by_construction(structure, setting)
-    return (*built_in, *left_open(structure, covariance, jacobian, moved))
+    return (*built_in, *undetermined_by_configurations(structure, covariance, jacobian, moved))
 
 
-def left_open(
+def undetermined_by_configurations(
     structure: Structure, covariance: FloatArray, jacobian: FloatArray, moved: BoolArray
 ) -> tuple[NotIdentifiable, ...]:
     """Name what these configurations leave open, others need not.
@@ -182,7 +182,7 @@ def left_open(
 
 def _by_construction(structure: Structure, setting: Setting) -> tuple[NotIdentifiable, ...]:
     """Return what effects, unknown cups and targets of unknown place leave open whatever is read."""
-    entries = left_open_by(structure.effects, structure.names, setting)
+    entries = undetermined_by_construction(structure.effects, structure.names, setting)
     if structure.targets:
         return (_BASE_OF_TARGETS, *entries)
     return (_BASE_OF_CUPS, *entries) if structure.anchors else entries

@@ -23,7 +23,7 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import LegReadings, PointReadings, Readings, Stops, sites
 from truepose.domain.identification import Model, NominalAndIdentified, PureError, Statistics
-from truepose.domain.last_moves import told_moves
+from truepose.domain.last_moves import with_moves
 from truepose.identification.distributions import carlson_rg, f_exceeded
 from truepose.identification.model.derivatives import mean_variance, position_jacobian
 from truepose.identification.model.estimates import (
@@ -157,7 +157,7 @@ def pure_error(block: ObservationBlock, residual_mm: FloatArray, absorbed: float
     )
 
 
-def observed(readings: Readings, scatter_mm: float, structure: Structure) -> ObservationBlock:
+def observation_block(readings: Readings, scatter_mm: float, structure: Structure) -> ObservationBlock:
     """Return readings as observations of a model.
 
     Parameters
@@ -352,7 +352,7 @@ def unpredictable_readings(model: Model, readings: Readings) -> tuple[Message, .
 
 
 def _observed(model: Model, readings: Readings, scatter_mm: float, structure: Structure) -> ObservationBlock:
-    told = replace(readings, stops=told_moves(readings.stops))
-    block = observed(told, scatter_mm, structure)
+    told = replace(readings, stops=with_moves(readings.stops))
+    block = observation_block(told, scatter_mm, structure)
     check_targets(model, block.targets)
     return block

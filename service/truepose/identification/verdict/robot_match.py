@@ -19,7 +19,7 @@ from truepose.identification.verdict.conventions import (
     changes,
     may_leave,
     plausible_mm,
-    thinned,
+    thin_readings,
     typical_mm,
 )
 from truepose.kinematics.chain import nominal_chain
@@ -70,7 +70,7 @@ def match(robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zer
         Without changes where none helps.
     """
     free = replace(known, base=None)
-    meant = Interpretation(robot, thinned(evidence))
+    meant = Interpretation(robot, thin_readings(evidence))
     as_it_is = _unchanged(meant, free)
     if as_it_is.fits:
         return as_it_is
@@ -131,7 +131,7 @@ def matches(robots: Sequence[Robot], evidence: Evidence, known: PriorPlacement) 
     """
     able = [robot for robot in robots if robot.n_joints == evidence.joints_rad.shape[1]]
     free = replace(known, base=None)
-    plain = [_unchanged(Interpretation(robot, thinned(evidence)), free) for robot in able]
+    plain = [_unchanged(Interpretation(robot, thin_readings(evidence)), free) for robot in able]
     fitting = [one for one in plain if one.fits]
     # Of many robots zeros are not searched for: that would be ten times the work for each of them.
     found = fitting or [match(robot, evidence, known, search_zeros=len(able) == 1) for robot in able]

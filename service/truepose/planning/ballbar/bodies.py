@@ -23,7 +23,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
-from truepose.planning.workspace.capsules import Capsules, joined, still
+from truepose.planning.workspace.capsules import Capsules, join_capsules, still
 
 BALL_MM: Final = 10.0  # from the centre of a half-inch ball to the body of the cup behind it
 CUP_RADIUS_MM: Final = 8.0
@@ -145,7 +145,7 @@ def fixture_body(fixture: BaseFixture, table_z_mm: float) -> Capsules:
     below = np.array([*fixture.hub_mm[:2], table_z_mm])
     posts = still(list(zip(feet, bottoms, strict=True)), CUP_RADIUS_MM)
     arms = still([(bottom, fixture.hub_mm) for bottom in bottoms], CUP_RADIUS_MM)
-    return joined([posts, arms, still([(fixture.hub_mm, below)], STAND_RADIUS_MM)])
+    return join_capsules([posts, arms, still([(fixture.hub_mm, below)], STAND_RADIUS_MM)])
 
 
 PLATE_DEPTH_MM: Final = 30.0
@@ -373,7 +373,7 @@ def _tool_on_flange(nests_mm: tuple[tuple[float, ...], ...]) -> Capsules:
     cups = zip(nests - BALL_MM * normal, corners, strict=True)
     edges = zip(corners, np.roll(corners, 1, axis=0), strict=True)
     spokes = ((corner, centre) for corner in corners)
-    return joined([
+    return join_capsules([
         still(list(cups), CUP_RADIUS_MM),
         still([*edges, *spokes], PLATE_RADIUS_MM),
         still([(np.zeros(3), centre)], STEM_RADIUS_MM),

@@ -34,7 +34,7 @@ from truepose.planning.workspace.capsules import (
     Capsules,
     gaps,
     gaps_mm,
-    joined,
+    join_capsules,
     lowest_mm,
     smallest_gap,
     smallest_gap_of_pairs,
@@ -118,7 +118,7 @@ def arm_room_mm(bodies: Bodies) -> FloatArray:
     """
     off_table = _of_links(bodies, range(_COLUMN_LINKS, len(bodies.cell.link_radii_mm)))
     beside_table = np.minimum(lowest_mm(off_table), lowest_mm(bodies.tool)) - bodies.cell.table_z_mm
-    whole = joined([bodies.arm, bodies.tool])
+    whole = join_capsules([bodies.arm, bodies.tool])
     beside_fixture = smallest_gap(whole, bodies.fixture)
     # Only what moves: where the foot stands the cell's owner has decided, volume or not.
     outside = _outside_keep_outs(bodies.cell, whole.some(_moved(bodies)))
@@ -150,7 +150,7 @@ def hands_room_mm(bodies: Bodies) -> FloatArray:
         [mm]; from the lines between cups, where hands and bar are.
     """
     links = len(bodies.cell.link_radii_mm)
-    moving = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
+    moving = join_capsules([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
     return smallest_gap(moving, still(list(combinations(bodies.fixture_cups_mm, 2)), 0.0))
 
 

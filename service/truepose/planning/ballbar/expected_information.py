@@ -181,7 +181,7 @@ class SessionInformation:
     cups_mm: FloatArray  # (C, 3)
 
 
-def gathered(model: ArmModel) -> SessionInformation:
+def information_beforehand(model: ArmModel) -> SessionInformation:
     """Return what is known before any placement: priors, and the sides of an uncertain tool triangle.
 
     Parameters

@@ -199,7 +199,7 @@ class SessionForecast:
         return ArmKind(share, mean, covariance, float(np.hypot(scatter, tool_mm)))
 
 
-def known_beforehand(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> SessionForecast | None:
+def forecast_lengths(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> SessionForecast | None:
     """Return what is known of the lengths of a plan.
 
     A plan whose legs the nominal arm does not bring into the ballbar's range was made for another one: it

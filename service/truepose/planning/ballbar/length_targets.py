@@ -83,7 +83,7 @@ _FARTHEST_RAD: Final = float(np.radians(8.0))  # any joint from where it started
 _FLATTEST: Final = 1e-3  # smallest over largest singular value: beyond, a leg cannot be set on its own
 
 
-def aimed(
+def aim_joints(
     lengths: Lengths,
     joints_rad: Sequence[float] | FloatArray,
     wanted_mm: Sequence[float] | FloatArray,
@@ -188,7 +188,7 @@ def aimed_pose(
     ----------
     pose : PlannedPose
     lengths : callable
-        As in `aimed`, in the order of the pose's legs.
+        As in `aim_joints`, in the order of the pose's legs.
     nominal_mm : float
         About which lengths are coded.
     ranges : tuple of JointRange, optional
@@ -211,7 +211,7 @@ def aimed_pose(
         code = coded_lengths(len(pose.legs), pose.config + turn)
         wanted = tuple(nominal_mm + offset for offset in code.offsets_mm)
         try:
-            joints = aimed(lengths, pose.joints_rad, wanted, ranges)
+            joints = aim_joints(lengths, pose.joints_rad, wanted, ranges)
         except AimError as refusal:
             refusals.append(refusal)
         else:
@@ -346,7 +346,7 @@ def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tup
         # may not be.
         sentence = str(refusal)
     try:
-        joints = aimed(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)
+        joints = aim_joints(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)
     except AimError:
         return replace(pose, aimed_mm=None), f"{sentence} It stays where it was planned."
     plain = replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=None)

@@ -31,7 +31,7 @@ from truepose.planning.ballbar.expected_information import (
     predicted_error_mm,
     work_space_sample,
 )
-from truepose.planning.ballbar.pose_selection import Candidates, candidates, known_after
+from truepose.planning.ballbar.pose_selection import Candidates, candidates, information_after
 from truepose.planning.ballbar.poses import device, setup_joints
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.workspace.capsules import gaps_mm, look_at
@@ -181,7 +181,7 @@ class _Search:
 
     def error_mm(self, placements: Sequence[Candidates]) -> float:
         """Return the error over the work space with the share of poses that each placement gets."""
-        known = known_after(self.model, placements, [None] * len(placements), self.wish.poses)
+        known = information_after(self.model, placements, [None] * len(placements), self.wish.poses)
         return predicted_error_mm(known, self.sample)
 
     def best(self, pool: Sequence[Candidates], rng: np.random.Generator) -> list[Candidates]:

@@ -19,7 +19,7 @@ from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, lift
 from truepose.planning.ballbar.paths import Tour, away, tour, way
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.pose_selection import Candidates, candidates, choose, require_candidates
-from truepose.planning.ballbar.poses import planned, setups, subset
+from truepose.planning.ballbar.poses import planned_poses, setups, subset
 from truepose.planning.errors import ArmInTheWayError, NoWayError, TooFewCandidatesError, WorkSpaceError
 
 _LEGS: Final = 6  # of a pose
@@ -220,7 +220,7 @@ class _Session:
         around = Surroundings(self.cell, own.fixture)
         setups_there, last = self._with_ways(around, held, here)
         early = self._early(own, rows) if number == 1 else rows[:0]
-        poses = planned(subset(own.found, rows), own.fixture.number)
+        poses = planned_poses(subset(own.found, rows), own.fixture.number)
         joints = np.array([pose.joints_rad for pose in poses]).reshape(-1, self.cell.robot.n_joints)
         first = np.flatnonzero(np.isin(rows, early))
         groups = self._groups(len(poses), first, self._parking(joints, first, after))

@@ -26,7 +26,7 @@ from truepose.planning.ballbar.expected_information import (
     SessionInformation,
     WorkSpaceSample,
     error_weight,
-    gathered,
+    information_beforehand,
     of_poses,
     pose_rows,
     setting_information,
@@ -233,7 +233,7 @@ def _with_rows(
     )
 
 
-def known_after(
+def information_after(
     model: ArmModel, placements: Sequence[Candidates], chosen: Sequence[IntArray | None], n: int | None = None
 ) -> SessionInformation:
     """Return what a session will know.
@@ -251,7 +251,7 @@ def known_after(
     -------
     SessionInformation
     """
-    known = gathered(model)
+    known = information_beforehand(model)
     for own, rows in zip(placements, chosen, strict=True):
         # Places are compared before anything is chosen there: one with more candidates must not look
         # better than its share of the session can make it.
@@ -293,7 +293,7 @@ def choose(
     counts = [len(own) for own in placements]
     if sum(counts) <= n:
         return tuple(np.arange(count, dtype=np.int64) for count in counts)
-    prior = known_after(model, placements, [np.zeros(0, dtype=np.int64)] * len(placements))
+    prior = information_after(model, placements, [np.zeros(0, dtype=np.int64)] * len(placements))
     rows = stacked_rows(model, placements, len(prior.matrix))
     chosen = choose_by_exchange(rows, n, rng, prior_information=prior.matrix).indices
     if sample is not None:

@@ -211,7 +211,7 @@ def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
     return None
 
 
-def planned(found: ReachablePoses, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
+def planned_poses(found: ReachablePoses, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
     """Return configurations as planned poses, in their order.
 
     Parameters

@@ -21,7 +21,7 @@ from truepose.effects.registry import effects_with
 from truepose.identification.model.derivatives import place_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import Problem, automatic_effects, build
-from truepose.identification.verdict.identifiability import left_open
+from truepose.identification.verdict.identifiability import undetermined_by_configurations
 from truepose.planning.contacts.loop_configurations import (
     LoopPlanRequest,
     LoopStops,
@@ -186,7 +186,9 @@ class _Knowledge:
         rows = self.rows[stops].reshape(-1, self.rows.shape[2])
         covariance = self.covariance(stops) * np.outer(self._widths, self._widths)
         moved = np.ptp(self._joints[stops], axis=0) > _MOVED_RAD
-        return left_open(self._structure, covariance, rows.T / self._widths[:, None], moved)
+        return undetermined_by_configurations(
+            self._structure, covariance, rows.T / self._widths[:, None], moved
+        )
 
 
 def _by_stop(white: FloatArray, stop: IntArray, n: int) -> FloatArray:

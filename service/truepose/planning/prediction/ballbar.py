@@ -21,7 +21,7 @@ from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedP
 from truepose.domain.cell import BallbarKit, Cell, KeepOuts
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import NotIdentifiable
-from truepose.identification.verdict.identifiability import left_open
+from truepose.identification.verdict.identifiability import undetermined_by_configurations
 from truepose.planning.ballbar.arm_model import ArmModel, Scatter, arm_model
 from truepose.planning.ballbar.bodies import BaseFixture
 from truepose.planning.ballbar.expected_information import WorkSpaceSample, error_gradient, error_weight
@@ -29,7 +29,7 @@ from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.pose_selection import (
     candidates,
-    known_after,
+    information_after,
     least_error_first,
     of_candidates,
     require_candidates,
@@ -111,10 +111,10 @@ def promised_ballbar_session(
     base_points = 3 if cell.ballbar is None else cell.ballbar.base_points
     wish = PlacementRequest(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
     fixtures = suggest(ballbar_cell(cell), wish).fixtures
-    return promised_at(cell, fixtures, n, volume=volume, discrepancy=discrepancy, seed=seed)
+    return plan_with_fixtures(cell, fixtures, n, volume=volume, discrepancy=discrepancy, seed=seed)
 
 
-def promised_at(
+def plan_with_fixtures(
     cell: Cell,
     fixtures: Sequence[BaseFixture],
     n: int | None = None,
@@ -302,7 +302,7 @@ class _Choice:
         covariance = np.linalg.inv(self.information(size))[arm, arm] * np.outer(widths, widths)
         flat = self.rows[:size, :, arm].reshape(-1, model.parameters)
         moved = np.ptp(self.joints_rad[:size], axis=0) > _MOVED_RAD
-        return left_open(model.structure, covariance, flat.T / widths[:, None], moved)
+        return undetermined_by_configurations(model.structure, covariance, flat.T / widths[:, None], moved)
 
 
 def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpaceSample, most: int) -> _Choice:
@@ -314,7 +314,7 @@ def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpace
     erring = replace(model, erring=True)
     true = [of_candidates(erring, offer, own) for offer, own in zip(offers, held, strict=True)]
     known, erring_known = (
-        known_after(one, own, [np.zeros(0, dtype=np.int64)] * len(own))
+        information_after(one, own, [np.zeros(0, dtype=np.int64)] * len(own))
         for one, own in ((model, offers), (erring, true))
     )
     rows = stacked_rows(model, offers, len(known.matrix))

@@ -92,7 +92,7 @@ def _half_sphere() -> FloatArray:
     return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
 
 
-def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
+def error_distribution(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
     """Return what errors to expect over a volume.
 
     The same numbers are drawn at every call, so that two plans are compared on the same calibrations.
@@ -245,7 +245,7 @@ def curve(errors: Errors, numbers: Sequence[int]) -> tuple[CurvePoint, ...]:
 
 def _point(errors: Errors, n: int) -> CurvePoint:
     after = errors.after(n)
-    found = spread(after, errors.discrepancy)
+    found = error_distribution(after, errors.discrepancy)
     # A promise is of where the arm is on average; what a single visit adds stands beside it
     # (docs/decisions/0043).
     visited = float(np.hypot(errors.discrepancy.per_axis_mm, errors.repeatability_mm))

@@ -40,7 +40,7 @@ from truepose.identification.problem.build import (
     precision_of,
     with_belief,
 )
-from truepose.identification.verdict.identifiability import left_open
+from truepose.identification.verdict.identifiability import undetermined_by_configurations
 from truepose.kinematics.frames import cross_matrix
 from truepose.messages.message import message
 from truepose.planning.prediction.errors import NONE, Discrepancy
@@ -96,7 +96,7 @@ class TrackerAccuracy:
 TYPICAL: Final = TrackerAccuracy()
 
 
-def stated(per_axis_mm: float) -> TrackerAccuracy:
+def uniform_accuracy(per_axis_mm: float) -> TrackerAccuracy:
     """Return the accuracy of an instrument that reads equally well everywhere, along every axis.
 
     Parameters
@@ -356,7 +356,7 @@ class ArmKnowledge:
         widths = self.structure.prior_widths
         covariance = self.covariance(rows) * np.outer(widths, widths)
         moved = np.ptp(joints_rad, axis=0) > _MOVED_RAD
-        return left_open(self.structure, covariance, rows.T / widths[:, None], moved)
+        return undetermined_by_configurations(self.structure, covariance, rows.T / widths[:, None], moved)
 
     def covariance(self, rows: FloatArray) -> FloatArray:
         """Return the covariance of the parameters after readings, M^-1.

@@ -12,7 +12,7 @@ from truepose.domain.identification import Model
 from truepose.domain.robot import JointRange, Nest
 from truepose.planning.prediction.errors import NONE, Discrepancy
 from truepose.planning.prediction.expected_covariance import TYPICAL as TRACKER
-from truepose.planning.prediction.expected_covariance import PriorKnowledge, TrackerAccuracy, stated
+from truepose.planning.prediction.expected_covariance import PriorKnowledge, TrackerAccuracy, uniform_accuracy
 from truepose.planning.prediction.tracker import ExistingReadings
 from truepose.planning.workspace.space import TABLE_CLEARANCE_MM, WorkSpace, space_of_cell, space_to_measure
 
@@ -40,7 +40,7 @@ class Subject:
 
     def reading(self, per_axis_mm: float) -> "Subject":
         """Return the subject with an instrument of this standard uncertainty per axis [mm]."""
-        return replace(self, knowns=replace(self.knowns, accuracy=stated(per_axis_mm)))
+        return replace(self, knowns=replace(self.knowns, accuracy=uniform_accuracy(per_axis_mm)))
 
     def keeping_out(self, keep_outs: KeepOuts) -> "Subject":
         """Return the subject with further keep-out volumes."""
@@ -71,7 +71,7 @@ def of_cell(cell: Cell) -> Subject:
         Neither the cell nor its robot says how far the joints turn.
     """
     knowns = PriorKnowledge(
-        accuracy=TRACKER if cell.camera is None else stated(cell.camera.position_u_mm),
+        accuracy=TRACKER if cell.camera is None else uniform_accuracy(cell.camera.position_u_mm),
         fixed_nests=cell.fixed_nests,
         discrepancy=expected_discrepancy(cell),
     )
@@ -187,4 +187,4 @@ def _discrepancy(points: PointReadings, model: Model) -> Discrepancy:
 
 def _accuracy(points: PointReadings) -> TrackerAccuracy:
     """Return how exactly the readings of the campaign were stated to be."""
-    return stated(float(np.sqrt(np.mean(points.standard_uncertainty_mm**2))))
+    return uniform_accuracy(float(np.sqrt(np.mean(points.standard_uncertainty_mm**2))))

@@ -26,7 +26,7 @@ from truepose.planning.prediction.plan import (
     require_some,
     sample,
 )
-from truepose.planning.tracker.path_repair import clear_tour, mended, pool_of
+from truepose.planning.tracker.path_repair import clear_tour, pool_of, repair_order
 from truepose.planning.tracker.plans import N_CANDIDATES, short_tour
 from truepose.planning.tracker.pose_order import clear_order
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
@@ -297,6 +297,6 @@ def _visits(space: WorkSpace, joints_rad: FloatArray, wanted: IntArray, order: I
     if space.keep_outs:  # of which `clear_order` does not know
         tours.reverse()
     try:
-        return mended(pool, tours[0], instead)
+        return repair_order(pool, tours[0], instead)
     except NoWayError:
-        return mended(pool, tours[1], instead)
+        return repair_order(pool, tours[1], instead)

@@ -20,7 +20,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.messages.message import Text, message, together
 from truepose.planning.errors import NoWayError
 from truepose.planning.workspace.bodies import CellBodies, bodies_in
-from truepose.planning.workspace.path_clearance import Ways, least_rooms_mm, what_touches
+from truepose.planning.workspace.path_clearance import Ways, contact_sentence, least_rooms_mm
 from truepose.planning.workspace.space import WorkSpace
 
 _KEPT_MM: Final = (10.0, 0.0)  # wanted on new ways, as round arm and tool in ballbar plans; else no touch
@@ -150,7 +150,7 @@ def _reached(pool: Pool, here: int, rows: Sequence[int]) -> Iterator[int]:
         yield from (way[1] for way in ways if pool.rooms_mm[way] >= 0.0)
 
 
-def mended(
+def repair_order(
     pool: Pool,
     order: Iterable[int],
     substitutes: Substitutes,
@@ -202,7 +202,7 @@ def mended_or_toured(
     start: int | None = None,
     allowed: Allowed = lambda _: True,
 ) -> IntArray:
-    """Return an order as `mended` does, or else one that begins with the nearest of clear ways.
+    """Return an order as `repair_order` does, or else one that begins with the nearest of clear ways.
 
     The second is no longer the order that is wanted: it comes where volumes in the midst of the work space
     leave the first no chance. Raises NoWayError.
@@ -211,9 +211,9 @@ def mended_or_toured(
     ----------
     pool : Pool
     order : ndarray, shape (n,)
-        As in `mended`.
+        As in `repair_order`.
     substitutes, start, allowed
-        As in `mended`.
+        As in `repair_order`.
 
     Returns
     -------
@@ -225,12 +225,12 @@ def mended_or_toured(
         Neither order could be mended.
     """
     try:
-        return mended(pool, order, substitutes, start=start, allowed=allowed)
+        return repair_order(pool, order, substitutes, start=start, allowed=allowed)
     except NoWayError:
         # Among a box, a wall and a post amidst the work space 9 of 12 plans are found so, 5 without.
         before = order[:0] if start is None else np.array([start], dtype=np.int64)
         tour = clear_tour(pool, np.concatenate([before, order]))[len(before) :]
-        return mended(pool, tour, substitutes, start=start, allowed=allowed)
+        return repair_order(pool, tour, substitutes, start=start, allowed=allowed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,7 +317,7 @@ def _why(route: _Route, blocked: Sequence[int]) -> Text:
             blocked=len(blocked),
             planned=len(route.order),
             angles=angles,
-            touches=what_touches(route.pool.bodies, legs, leg),
+            touches=contact_sentence(route.pool.bodies, legs, leg),
         ),
         message("room.look_at_keep_outs", volumes=keep_outs.names) if keep_outs else "",
     )

@@ -1,6 +1,6 @@
 """Arm and tool of a cell as capsules, and their room at configurations.
 
-One notion of room for stops (`what_is_in_the_way`) and for the ways between them (`path_clearance`), by the
+One notion of room for stops (`first_obstruction`) and for the ways between them (`path_clearance`), by the
 capsules that ballbar plans have (`planning.ballbar.bodies`). The links of the arm are not held against each
 other: their capsules are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen to do
 that forearm and shoulder touch.
@@ -279,7 +279,7 @@ _IN_THE_WAY: Final[dict[PlaceOf, str]] = {
 _AT_ONCE: Final = 2000  # configurations; keeps the arrays small
 
 
-def what_is_in_the_way(
+def first_obstruction(
     bodies: CellBodies,
     stops: Sequence[PlannedStop],
     approach_offset_rad: float | None,

@@ -51,7 +51,7 @@ class Capsules:
         return Capsules(self.start_mm[chosen], self.end_mm[chosen], self.radius_mm[chosen])
 
 
-def joined(sets: Sequence[Capsules]) -> Capsules:
+def join_capsules(sets: Sequence[Capsules]) -> Capsules:
     """Return the capsules of several sets at the same configurations.
 
     Parameters

@@ -71,7 +71,7 @@ def ways_between(
     return Ways(words, joints[:-1], joints[1:])
 
 
-def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> Message | None:
+def path_obstruction(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> Message | None:
     """Return why a plan with these ways is refused.
 
     Where nobody states the floor, only keep-out volumes are looked at.
@@ -89,18 +89,18 @@ def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = Fals
     Message or None
         None: it is not refused.
     """
-    # An assumed floor may lie where there is none: a person is told of it (`what_to_watch`), nobody is
+    # An assumed floor may lie where there is none: a person is told of it (`path_warnings`), nobody is
     # refused for it.
     if not bodies.floor_is_stated:
         bodies, floor_only = replace(bodies, floor_z_mm=-np.inf), True
     blocked = touching(bodies, ways, floor_only=floor_only)
     if not blocked.size:
         return None
-    what = what_touches(bodies, ways, blocked[0], floor_only=floor_only)
+    what = contact_sentence(bodies, ways, blocked[0], floor_only=floor_only)
     return message("room.way_blocked", way=ways.names[blocked[0]], touches=what)
 
 
-def what_to_watch(bodies: CellBodies, ways: Ways) -> Text:
+def path_warnings(bodies: CellBodies, ways: Ways) -> Text:
     """Return what whoever lets the arm go these ways has to know of them.
 
     Parameters
@@ -120,13 +120,13 @@ def what_to_watch(bodies: CellBodies, ways: Ways) -> Text:
     unclear = message(
         "room.way_unclear" if bodies.floor_is_stated else "room.way_unclear.assumed_floor",
         way=ways.names[found[0]],
-        touches=what_touches(bodies, ways, found[0]),
+        touches=contact_sentence(bodies, ways, found[0]),
     )
     others = message("room.other_ways", ways=len(found) - 1) if len(found) > 1 else ""
     return together(unclear, others, message("room.be_ready"))
 
 
-def what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> Message:
+def contact_sentence(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> Message:
     """Return in words what touches on a way, where it has least room.
 
     Parameters

@@ -55,10 +55,10 @@ class WorkSpace:
     def motion_limits(self) -> tuple[JointRange, ...]:
         """What no motion may leave, the approach included."""
         # Where nobody states limits, what the ranges and their approaches need counts as allowed.
-        return self.joint_limits or widened(self.ranges, self.approach_offset_rad)
+        return self.joint_limits or widen_ranges(self.ranges, self.approach_offset_rad)
 
 
-def widened(ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> tuple[JointRange, ...]:
+def widen_ranges(ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> tuple[JointRange, ...]:
     """Return ranges that contain the approach, which begins outside them for stops at their edge.
 
     Parameters

@@ -37,7 +37,7 @@ from truepose.reports.cause_words import (
     worth_words,
 )
 from truepose.reports.diagnosis.rows import own_text, ruled_out_table
-from truepose.reports.figures.canvas import AFTER, INK, marked_in, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, INK, mark_axis, new_figure, page_style, to_svg
 from truepose.reports.figures.residuals import CurveFigure, residual_curve
 from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
 from truepose.reports.tables import Table
@@ -262,7 +262,7 @@ def spectrum_picture(spectrum: Spectrum, prefix: str, words: Catalogue = IN_ENGL
         )
         axes.set_xticks(at[::step], [spoken_order(order) for order in spectrum.order[::step].tolist()])
         axes.grid(axis="x", visible=False)
-        marked_in(axes.yaxis, words.units.conversion("deg"))
+        mark_axis(axes.yaxis, words.units.conversion("deg"))
         axes.set_xlabel(words.say("spectrum.order"))
         axes.set_ylabel(words.say("spectrum.amplitude_deg"))
         figure.legend(loc="outside upper left", ncols=2)

@@ -24,14 +24,14 @@ from truepose.reports.diagnosis.cause_map import MapEntry, cause_map, map_pictur
 from truepose.reports.diagnosis.findings import finding_blocks
 from truepose.reports.diagnosis.rows import described_rows, described_sentence, ruled_out_table
 from truepose.reports.error_tables import error_table, figures_row
-from truepose.reports.figures.canvas import AFTER, INK, label, marked_in, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, INK, label, mark_axis, new_figure, page_style, to_svg
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.histograms import comparison
 from truepose.reports.figures.residuals import CurveFigure, residual_curve
 from truepose.reports.identification.parameters import parameter_cells, parameter_table
-from truepose.reports.pages import capitalized
+from truepose.reports.pages import capitalise
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import MISSING, fixed, millimetres, with_minus
+from truepose.reports.rounding import MISSING, format_fixed, millimetres, with_minus
 from truepose.reports.tables import Remarked, Table, heads_of
 from truepose.reports.traceability import ReportConditions, condition_rows
 
@@ -184,7 +184,7 @@ def _map_row(cell: MapEntry, words: Catalogue) -> tuple[str, str, str, str]:
     findings = [words.say("map.row.finding", number=number) for number in cell.findings]
     rivals = [words.say("map.row.rival", number=number) for number in cell.rival_of]
     told = words.between.join([*findings, *rivals] or [words.say("map.described")])
-    where = capitalized(words.name(cell.where))
+    where = capitalise(words.name(cell.where))
     return where, words.name(cell.over), told, share_text(cell.share) or MISSING
 
 
@@ -241,7 +241,7 @@ def _dependence(number: int, dependence: Dependence, words: Catalogue) -> Depend
 
 def _proposal(measurement: NextMeasurement, words: Catalogue) -> Proposal:
     configurations = tuple(
-        tuple(with_minus(fixed(angle, 2, "deg")) for angle in joints)
+        tuple(with_minus(format_fixed(angle, 2, "deg")) for angle in joints)
         for joints in measurement.configurations_deg
     )
     return Proposal(
@@ -279,6 +279,6 @@ def gains(findings: tuple[Finding, ...], words: Catalogue = IN_ENGLISH) -> Marku
         axes.set_yticks(rows, [label(cause, _WIDEST) for cause in causes])
         axes.set_ylim(-0.6, len(known) - 0.4)
         axes.grid(axis="y", visible=False)
-        marked_in(axes.xaxis, words.units.conversion("mm"))
+        mark_axis(axes.xaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("gains.axis"))
         return to_svg(figure, "gains", words.say("gains"))

@@ -15,7 +15,7 @@ from truepose.reports.figures.canvas import (
     BEFORE,
     MUTED,
     NOISE,
-    marked_in,
+    mark_axis,
     new_figure,
     page_style,
     to_svg,
@@ -35,8 +35,8 @@ def tangential_figure(one: JointCircle, words: Catalogue) -> Markup:
         _draw_way(axes, one, one.direction > 0, BEFORE, words.say("circles.figure.up"))
         _draw_way(axes, one, one.direction < 0, AFTER, words.say("circles.figure.down"))
         _draw_way(axes, one, one.direction == 0, MUTED, words.say("circles.figure.unknown"))
-        marked_in(axes.xaxis, words.units.conversion("deg"))
-        marked_in(axes.yaxis, words.units.conversion("mm"))
+        mark_axis(axes.xaxis, words.units.conversion("deg"))
+        mark_axis(axes.yaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("circles.figure.angle", joint=one.joint))
         axes.set_ylabel(words.say("circles.head.error"))
         axes.legend()
@@ -64,7 +64,7 @@ def radial_figure(sphere: Sphere, called: Callable[[str], str], words: Catalogue
         for one in shown:
             _draw_model(axes, one, BEFORE if one.model == NOMINAL else next(colours), called(one.model))
         _part_nests(axes, sphere)
-        marked_in(axes.yaxis, words.units.conversion("mm"))
+        mark_axis(axes.yaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("sphere.figure.stop"))
         axes.set_ylabel(words.say("sphere.figure.error"))
         axes.legend()
@@ -101,7 +101,7 @@ def drift_figure(drift: Drift, words: Catalogue) -> Markup:
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel(words.say("pose_test.drift.hours"))
         axes.set_ylabel(words.units.conversion("mm").symbol)
-        marked_in(axes.yaxis, words.units.conversion("mm"))
+        mark_axis(axes.yaxis, words.units.conversion("mm"))
         axes.legend()
         return to_svg(figure, "drift", words.say("pose_test.drift"))
 

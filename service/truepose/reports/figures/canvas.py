@@ -261,7 +261,7 @@ def label(text: str, most: int, unit: str = "") -> str:
     return "\n".join(lines).replace("$", r"\$")
 
 
-def marked_in(axis: Axis, conversion: Conversion) -> None:
+def mark_axis(axis: Axis, conversion: Conversion) -> None:
     """Mark an axis of kept values, once its scale is set, at round numbers of the shown unit."""
     if conversion.factor == 1.0:
         return
@@ -280,8 +280,8 @@ def name_axes(axes: Axes, words: Catalogue, across: str, up: str) -> None:
     conversion = words.units.conversion("mm")
     axes.set_xlabel(f"{across} [{conversion.symbol}]")
     axes.set_ylabel(f"{up} [{conversion.symbol}]")
-    marked_in(axes.xaxis, conversion)
-    marked_in(axes.yaxis, conversion)
+    mark_axis(axes.xaxis, conversion)
+    mark_axis(axes.yaxis, conversion)
 
 
 class _Shown(Locator):

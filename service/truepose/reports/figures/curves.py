@@ -14,7 +14,7 @@ from truepose.domain.identification import Statistics
 from truepose.domain.validation import DistanceBin, ErrorsByPlace
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, mark_axis, new_figure, on_page, plain
 
 _STEEP: Final = 20.0  # times the error at the end: what follows would lie on the axis
 
@@ -53,7 +53,7 @@ def _draw_promise(plan: PromisedPlan, words: Catalogue, colours: Colours) -> Dra
         axes.set_yscale("log")
     else:
         axes.set_ylim(bottom=0.0)
-    marked_in(axes.yaxis, words.units.conversion("mm"))
+    mark_axis(axes.yaxis, words.units.conversion("mm"))
     axes.legend()
     return figure
 
@@ -83,8 +83,8 @@ def _draw_reach(
     if min(float(np.min(before_mm)), float(np.min(after_mm))) > 0.0:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    marked_in(axes.xaxis, words.units.conversion("mm"))
-    marked_in(axes.yaxis, words.units.conversion("mm"))
+    mark_axis(axes.xaxis, words.units.conversion("mm"))
+    mark_axis(axes.yaxis, words.units.conversion("mm"))
     axes.set_xlabel(words.say("places.from_axis"))
     axes.set_ylabel(words.say("histogram.error"))
     figure.legend(loc="outside upper left", ncols=2, markerscale=2.0)
@@ -112,7 +112,7 @@ def _draw_place_errors(places: ErrorsByPlace, colours: Colours, words: Catalogue
         zone.axvline(places.zone_radius_mm, color=colours.muted, linestyle=":", label=label)
     _panel(axis, places.from_axis, colours, words)
     for axes in (zone.xaxis, axis.xaxis, zone.yaxis):
-        marked_in(axes, words.units.conversion("mm"))
+        mark_axis(axes, words.units.conversion("mm"))
     axis.set_xlabel(words.say("places.from_axis"))
     handles, labels = zone.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper left", ncols=3)

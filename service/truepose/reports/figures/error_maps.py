@@ -17,7 +17,7 @@ from truepose.reports.figures.canvas import (
     BEFORE,
     INK,
     MUTED,
-    marked_in,
+    mark_axis,
     name_axes,
     new_figure,
     page_style,
@@ -97,7 +97,7 @@ def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str
     axes.set_box_aspect(np.maximum(np.ptp(points, axis=0), 1.0), zoom=0.88)
     axes.locator_params(nbins=4)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        marked_in(axis, conversion)
+        mark_axis(axis, conversion)
         axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
 
 
@@ -234,8 +234,8 @@ def _picture(
     for axes in grid[1]:
         axes.set_xlabel(f"x [{shown.symbol}]")
     for axes in grid.flat:
-        marked_in(axes.xaxis, shown)
-        marked_in(axes.yaxis, shown)
+        mark_axis(axes.xaxis, shown)
+        mark_axis(axes.yaxis, shown)
     if large_mm is None:
         _scale_bar(grid[0][0], limits, scale, words)
     return to_svg(figure, "maps", words.say("maps"))

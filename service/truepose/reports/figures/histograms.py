@@ -12,7 +12,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, mark_axis, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 
 
@@ -24,7 +24,7 @@ def noise_line(axes: Axes, noise_mm: float, colours: Colours, words: Catalogue) 
 
 def counted_readings(figure: Drawing, axes: Axes, errors: str, words: Catalogue) -> None:
     """Say what is counted over which errors, and what the colours are."""
-    marked_in(axes.xaxis, words.units.conversion("mm"))
+    mark_axis(axes.xaxis, words.units.conversion("mm"))
     axes.grid(axis="x", visible=False)
     axes.set_xlabel(errors)
     axes.set_ylabel(words.say("curve.readings"))
@@ -175,7 +175,7 @@ def _draw_distances(errors: DistanceErrors, colours: Colours, words: Catalogue) 
         axes.set_title(_title(words.say(name), signed, words), loc="left")
         axes.set_xlabel(words.say("distances.axis"))
         axes.locator_params(axis="x", nbins=6)
-        marked_in(axes.xaxis, words.units.conversion("mm"))
+        mark_axis(axes.xaxis, words.units.conversion("mm"))
     panels[0].set_ylabel(words.say("distances.share"))
     return figure
 

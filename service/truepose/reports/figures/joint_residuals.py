@@ -14,7 +14,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Assessment
 from truepose.kinematics.chain import theta_gradient
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, marked_in, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, mark_axis, new_figure, page_style, to_svg
 
 _COLUMNS = 3
 _DIRECTIONS = ("joints.along_motion", "joints.along_axis", "joints.away")
@@ -50,12 +50,12 @@ def joint_residuals(judged: Assessment, words: Catalogue = IN_ENGLISH) -> JointR
             if joint < angles_deg.shape[1]:
                 _band(axes, noise_mm, words)
                 guides |= _panel(axes, angles_deg[:, joint], seen[joint], words)
-                marked_in(axes.xaxis, words.units.conversion("deg"))
+                mark_axis(axes.xaxis, words.units.conversion("deg"))
                 axes.set_title(words.say("joints.panel", joint=f"joint {joint + 1}"))
             else:
                 axes.set_visible(False)
         _limit(panels[0], judged.identified_mm)
-        marked_in(panels[0].yaxis, words.units.conversion("mm"))
+        mark_axis(panels[0].yaxis, words.units.conversion("mm"))
         figure.supylabel(words.say("joints.residual"), fontsize=9)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=4, markerscale=_LEGEND_SCALE)

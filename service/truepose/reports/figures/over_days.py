@@ -17,7 +17,7 @@ from truepose.reports.figures.canvas import (
     BEFORE,
     MUTED,
     label,
-    marked_in,
+    mark_axis,
     new_figure,
     page_style,
     to_svg,
@@ -67,7 +67,7 @@ def course_figure(
         _days(axes, when)
         conversion = words.units.conversion(unit)
         axes.set_ylabel(label(quantity, _LABEL, printed_unit(conversion.symbol)))
-        marked_in(axes.yaxis, conversion)
+        mark_axis(axes.yaxis, conversion)
         if len(courses) > 1:
             figure.legend(loc="outside upper left", ncols=len(courses))
         return to_svg(figure, ident, description)
@@ -121,7 +121,7 @@ def growth_figure(growth: Growth, ident: str, description: str, words: Catalogue
         _growth_days(axes, growth)
         conversion = words.units.conversion("mm")
         axes.set_ylabel(label(words.say("fleet.course.size"), _LABEL, printed_unit(conversion.symbol)))
-        marked_in(axes.yaxis, conversion)
+        mark_axis(axes.yaxis, conversion)
         figure.legend(loc="outside upper left", ncols=2)
         return to_svg(figure, ident, description)
 

@@ -14,7 +14,7 @@ from truepose.domain.diagnosis import Curve
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, message, together
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.figures.canvas import Colours, Drawing, label, marked_in, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, label, mark_axis, new_figure, on_page, plain
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
@@ -129,8 +129,8 @@ def _drawn(shown: _Shown, words: Catalogue, colours: Colours, *, of_cause: bool)
     across, up = map(words.units.conversion, (curve.variable_unit, curve.quantity_unit))
     axes.set_xlabel(label(words.name(curve.variable), _WIDEST_LABEL, printed_unit(across.symbol)))
     axes.set_ylabel(label(words.name(curve.quantity), _TALLEST_LABEL, printed_unit(up.symbol)))
-    marked_in(axes.xaxis, across)
-    marked_in(axes.yaxis, up)
+    mark_axis(axes.xaxis, across)
+    mark_axis(axes.yaxis, up)
     figure.legend(loc="outside upper left", ncols=4)
     return figure
 

@@ -11,7 +11,7 @@ from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, Text, message, together
 from truepose.reports.cover_page import OneFigure
 from truepose.reports.identification.judged_figures import judging_figures
-from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.rounding import format_rounded, millimetres, uncertainty
 from truepose.reports.traceability import NOT_STATED
 from truepose.reports.uncertainty_budget import Budget
 
@@ -73,7 +73,7 @@ def _sentence(identification: Identification, budget: Budget, pair: NominalAndId
     nominal, identified = pair.nominal, pair.identified
     return message(
         _CHANGES[identification.quantity, identified.mean_mm < nominal.mean_mm],
-        judged=judged_on(identification, nominal),
+        judged=basis_of(identification, nominal),
         before=_stated(nominal, budget.before_mm),
         after=_stated(identified, budget.after_mm),
         noise=_noise(identified),
@@ -81,7 +81,9 @@ def _sentence(identification: Identification, budget: Budget, pair: NominalAndId
 
 
 def _stated(statistics: Statistics, u_mm: float) -> Message:
-    return message("headline.stated", mean=rounded(statistics.mean_mm, 2 * u_mm), expanded=_expanded(u_mm))
+    return message(
+        "headline.stated", mean=format_rounded(statistics.mean_mm, 2 * u_mm), expanded=_expanded(u_mm)
+    )
 
 
 def _expanded(u_mm: float) -> Message:
@@ -106,7 +108,7 @@ def _noise(identified: Statistics) -> Message:
     return message(key, noise=millimetres(identified.noise_mm))
 
 
-def judged_on(identification: Identification, statistics: Statistics) -> Message:
+def basis_of(identification: Identification, statistics: Statistics) -> Message:
     """Return what the figures stand on, e.g. "1,000 held-out positions"."""
     return message(_JUDGED_ON[_judged_by(identification), identification.quantity], n=statistics.n)
 
@@ -143,7 +145,7 @@ def _noise_of(identification: Identification, identified: Statistics) -> Message
 
 
 def _mean(statistics: Statistics, u_mm: float) -> Message:
-    return _length(rounded(statistics.mean_mm, 2 * u_mm))
+    return _length(format_rounded(statistics.mean_mm, 2 * u_mm))
 
 
 def _length(number: str) -> Message:

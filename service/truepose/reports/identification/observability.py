@@ -42,7 +42,7 @@ class DeterminedParameter:
         return self.times < HARDLY
 
 
-def determined(parameters: Sequence[Parameter]) -> tuple[DeterminedParameter, ...]:
+def determined_parameters(parameters: Sequence[Parameter]) -> tuple[DeterminedParameter, ...]:
     """Return the parameters of which an assumption was stated, the worst known first."""
     known = (
         DeterminedParameter(one.name, one.prior_width / one.standard_uncertainty)
@@ -158,7 +158,7 @@ def observability_context(
     parameters: Sequence[Parameter], left_out: Sequence[NotIdentifiable], words: Catalogue
 ) -> dict[str, object]:
     """Return what the template `observability.html` fills in."""
-    found = determined(parameters)
+    found = determined_parameters(parameters)
     return {
         "observability": observability_figure(found, words),
         "observability_seen": observability_sentence(found, left_out),

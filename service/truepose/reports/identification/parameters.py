@@ -21,7 +21,7 @@ from truepose.kinematics.frames import (
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, message
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
+from truepose.reports.rounding import MISSING, exact, format_rounded, uncertainty
 from truepose.reports.tables import Table, heads_of
 
 _MOTION = r"(r?[xyz])"
@@ -162,7 +162,7 @@ def parameter_cells(parameter: Parameter, value: float, words: Catalogue) -> tup
     return (
         meaning(parameter.name, parameter.effect, words),
         parameter.name,
-        rounded(value * factor, u, unit),
+        format_rounded(value * factor, u, unit),
         uncertainty(u, unit),
         printed_unit(words.units.conversion(unit).symbol),
     )
@@ -189,8 +189,8 @@ def _row(
         name=parameter.name,
         effect=parameter.effect,
         nominal=MISSING if nominal is None else exact(nominal * factor, unit),
-        change=MISSING if nominal is None else rounded((identified - nominal) * factor, u, unit),
-        identified=rounded(identified * factor, u, unit),
+        change=MISSING if nominal is None else format_rounded((identified - nominal) * factor, u, unit),
+        identified=format_rounded(identified * factor, u, unit),
         standard_uncertainty=uncertainty(u, unit),
         unit=words.units.conversion(unit).symbol,
         prior_width=words.units.conversion(unit).formatted(parameter.prior_width * factor, ".2g"),

@@ -14,7 +14,7 @@ from truepose.messages.message import Text as Said
 from truepose.reports.error_tables import title_of, turns_table
 from truepose.reports.identification.judged_figures import figures_table
 from truepose.reports.identification.parameters import is_held_by_prior
-from truepose.reports.rounding import MISSING, rounded, uncertainty
+from truepose.reports.rounding import MISSING, format_rounded, uncertainty
 from truepose.reports.tables import Table, heads_of, on_terminal
 
 _K_95 = 1.96  # two-sided 95 % of the normal distribution
@@ -67,8 +67,8 @@ def _truth_row(parameter: TrueParameter, words: Catalogue) -> tuple[str, ...]:
     u, unit, ratio = parameter.standard_uncertainty, parameter.unit, parameter.normalised
     return (
         parameter.name,
-        rounded(parameter.identified, u, unit),
-        rounded(parameter.true, u, unit),
+        format_rounded(parameter.identified, u, unit),
+        format_rounded(parameter.true, u, unit),
         uncertainty(u, unit),
         words.units.conversion(unit).symbol,
         f"{ratio:+.1f}" if math.isfinite(ratio) else MISSING,
@@ -106,4 +106,4 @@ def added_table(identification: Identification, words: Catalogue) -> Table:
 def _added_row(parameter: Parameter) -> tuple[str, ...]:
     factor, unit = file_factor(parameter.unit), file_unit(parameter.unit)
     u = parameter.standard_uncertainty * factor
-    return parameter.name, rounded(parameter.value * factor, u), uncertainty(u), unit
+    return parameter.name, format_rounded(parameter.value * factor, u), uncertainty(u), unit

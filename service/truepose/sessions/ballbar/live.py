@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from truepose.sessions.engine.identity_check import told
+from truepose.sessions.engine.identity_check import reported_serial_number
 from truepose_drivers.api import Ballbar, BallbarReading, Clock, DeviceIdentity
 from truepose_drivers.errors import ConnectionLostError, DriverError, DriverFaultError, LinkError
 
@@ -153,7 +153,7 @@ class Gauge:
     @property
     def serial(self) -> str:
         """Its serial number, empty where it tells none."""
-        return "" if self.identity is None else told(self.identity.serial)
+        return "" if self.identity is None else reported_serial_number(self.identity.serial)
 
     async def read(self, *, ask: bool = False) -> BallbarReading | None:
         """Return the newest reading, None while there is none; `ask` it first who it is."""

@@ -22,9 +22,9 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.messages.message import Message, Text, message
-from truepose.planning.ballbar.length_forecast import known_beforehand, unseen_swaps
+from truepose.planning.ballbar.length_forecast import forecast_lengths, unseen_swaps
 from truepose.planning.workspace.bodies import CellBodies, bodies_of, rooms
-from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way, what_to_watch
+from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
 from truepose.sessions.ballbar.early_length_check import EarlyJudge
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.plan import steps
@@ -58,7 +58,7 @@ def kit_of(setup: SessionSetup) -> BallbarKit:
     return setup.cell.ballbar
 
 
-def judged(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Text:
+def path_warnings_of_plan(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Text:
     """Return what to watch on the ways of a given plan that fits the robot.
 
     Looked at are arm and tool above the floor and off each other; what the base fixture looks like only its
@@ -67,10 +67,10 @@ def judged(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Text:
     bodies, moves = bodies_of(cell), [step for step in steps(plan, kit) if step.target_rad is not None]
     ways = _ways(moves)
     # A stop before a way: what touches at its end touches on every way to it.
-    blocked = _blocked_stop(bodies, moves) or what_blocks_a_way(bodies, ways)
+    blocked = _blocked_stop(bodies, moves) or path_obstruction(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
-    return what_to_watch(bodies, ways)
+    return path_warnings(bodies, ways)
 
 
 def _blocked_stop(bodies: CellBodies, moves: Sequence[BallbarStep]) -> Message | None:
@@ -144,7 +144,7 @@ class Sight:
     """The judges of one session, and the swaps that they do not see."""
 
     def __init__(self, setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit) -> None:
-        known = known_beforehand(setup.cell, plan, kit)
+        known = forecast_lengths(setup.cell, plan, kit)
         self._early = None if known is None else EarlyJudge(known, kit)
         self._unseen = () if known is None else unseen_swaps(known, plan, kit)
 

@@ -17,7 +17,7 @@ from truepose.domain.session import SessionState
 from truepose.messages.message import message
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
 from truepose.sessions.ballbar.dry_run import check_plan
-from truepose.sessions.ballbar.planning import BallbarPlanRequest, judged, kit_of
+from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of, path_warnings_of_plan
 from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.situation import Situation, situation
@@ -137,7 +137,9 @@ class BallbarSessions(SessionController[BallbarRunner]):
         plan = wish.given or await self._choose(setup, wish)
         await self.require_possible(setup, plan)
         given = plan is wish.given
-        notice = await asyncio.to_thread(judged, setup.cell, plan, kit_of(setup)) if given else ""
+        notice = (
+            await asyncio.to_thread(path_warnings_of_plan, setup.cell, plan, kit_of(setup)) if given else ""
+        )
         return await self.desk.sessions.add(name, setup, plan, key, notice)
 
     async def require_possible(self, setup: SessionSetup, plan: BallbarPlan) -> None:

@@ -186,7 +186,9 @@ def _present_index(
 ) -> int:
     """Return the place of the first open step, or of the one whose reading is under suspicion."""
     if record.suspicion is not None:
-        suspected = step_ids.listed(record.suspicion.step_id)  # a zero in between is no step of the agenda
+        suspected = step_ids.listed_step(
+            record.suspicion.step_id
+        )  # a zero in between is no step of the agenda
         return next(i for i, step in enumerate(agenda) if step.id == suspected)
     return next((i for i, step in enumerate(agenda) if outcomes[step.id].kind == "open"), len(agenda))
 

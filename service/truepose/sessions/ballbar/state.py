@@ -213,7 +213,7 @@ class BallbarRecord(Record):
         outcome = Outcome(_ENDS[entry.kind], entry.length, entry.text, entry.arrival)
         self.last = step_id, outcome
         if entry.kind is EntryKind.SKIPPED and step_ids.is_of_a_pose(step_id):
-            listed = step_ids.listed(step_id)
+            listed = step_ids.listed_step(step_id)
             self._skips[step_ids.group_of(listed)] = _PoseSkip(listed, entry.text, self.attached)
             return
         self._outcomes[step_id] = outcome

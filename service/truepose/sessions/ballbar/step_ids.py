@@ -38,10 +38,10 @@ def group_of(step_id: str) -> str:
 
 def group_with_zero(step_id: str) -> str:
     """Return the group whose readings count from an initialisation, also from one that came in between."""
-    return group_of(listed(step_id))
+    return group_of(listed_step(step_id))
 
 
-def listed(step_id: str) -> str:
+def listed_step(step_id: str) -> str:
     """Return the step of the agenda that a step is, or that it must come before."""
     # A step that had to come in between is named after the one that it came before:
     # "placement-1/pose-12/leg-2-3/initialise".

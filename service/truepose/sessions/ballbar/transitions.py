@@ -19,7 +19,7 @@ from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import OperatorCommand
-from truepose.sessions.engine.identity_check import accepted, same_number, sentence
+from truepose.sessions.engine.identity_check import acceptance_entry, same_number, sentence
 from truepose.sessions.engine.ledger import IdentityCheck, Logbook
 from truepose.sessions.errors import ForeignRobotError, NotNowError
 from truepose_drivers.errors import DriverError
@@ -149,7 +149,7 @@ class Transitions:
             # A confirmation without a number may be one that was meant for the question before, or was sent
             # twice: it accepts nothing.
             raise NotNowError(sentence(foreign))
-        await self.identities.keep(accepted(foreign, person))
+        await self.identities.keep(acceptance_entry(foreign, person))
 
     async def _require_same_ballbar(self) -> None:
         """See that what a length was read with is still the expected ballbar; raises NotNowError."""

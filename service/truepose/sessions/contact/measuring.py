@@ -17,7 +17,7 @@ from truepose.kinematics.frames import placement_rotation
 from truepose.kinematics.inverse import all_branches
 from truepose.messages.message import Message, message
 from truepose.sessions.engine.arm import Arm, rest_of_way
-from truepose.sessions.engine.identity_check import same_number, told
+from truepose.sessions.engine.identity_check import reported_serial_number, same_number
 from truepose.sessions.engine.interlocks import binding_speed, joint_outside, motion_limits, slowest
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.engine.runner import is_interruption
@@ -69,7 +69,7 @@ class Gauges:
             if not box.gauge.connected:
                 await box.gauge.connect()
             identity = await box.gauge.identify()
-            serial = told(identity.serial)
+            serial = reported_serial_number(identity.serial)
             if serial and box.serial and not same_number(serial, box.serial):
                 raise AttentionNeededError(
                     message(
@@ -143,7 +143,7 @@ class Gauges:
 _FURTHEST_RAD = 0.2  # a step of some millimetres that turns a joint further is near a singularity
 
 
-def nudged(robot: Robot, base: FramePlacement, joints_rad: Joints, by_mm: Vector) -> Joints:
+def nudge(robot: Robot, base: FramePlacement, joints_rad: Joints, by_mm: Vector) -> Joints:
     """Return the joints that put the tool `by_mm` further in the world.
 
     Parameters
@@ -293,7 +293,7 @@ class ContactMeasurement:
 
     async def _nudge(self, joints_rad: Joints, push: Vector, shown_mm: float) -> Joints:
         x, y, z = (-shown_mm * np.array(push)).tolist()
-        there_rad = nudged(self._cell.robot, self._cell.base, joints_rad, (x, y, z))
+        there_rad = nudge(self._cell.robot, self._cell.base, joints_rad, (x, y, z))
         # Looked at here, so that the stop is left out. Refused by the interlocks it asked a person the same
         # question for ever: joint 6 at 180.02 deg (commit 34fb5649).
         outside = joint_outside(there_rad, motion_limits(self._cell.robot, self._cell.joint_limits))

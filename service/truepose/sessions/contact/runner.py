@@ -23,13 +23,13 @@ from truepose.sessions.contact.state import (
     Open,
     Question,
     Visit,
-    asked,
+    open_prompt,
     situation_of,
 )
 from truepose.sessions.engine.arm import Arm
 from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts
-from truepose.sessions.engine.identity_check import same_number, told
+from truepose.sessions.engine.identity_check import reported_serial_number, same_number
 from truepose.sessions.engine.interlocks import binding_speed, end_of_motion, motion_limits, speed_sentence
 from truepose.sessions.engine.ledger import RESTARTED, Ledger, Logbook
 from truepose.sessions.engine.prompts import CELL_CLEAR
@@ -125,7 +125,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         elif self._logbook.restarted:
             step = self.situation.step
             question = step if isinstance(step, Question) else Question.CLEAR
-            text = together(RESTARTED, asked(question, self._plan))
+            text = together(RESTARTED, open_prompt(question, self._plan))
             await self._logbook.keep(
                 lambda: self._logbook.open(step_id=question, text=text, progress=self.progress)
             )
@@ -135,7 +135,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             # A question to a person who has just asked for a halt would take its place.
             if not self._ended and self._halts.wish is None:
                 said: dict[str, Any] = {"entered": SessionState.AWAITING_CONFIRMATION}
-                said |= {"text": asked(question, self._plan), "progress": self.progress}
+                said |= {"text": open_prompt(question, self._plan), "progress": self.progress}
                 await self._logbook.append(EntryKind.CONTROL, question, **said)
 
         await self._logbook.keep(put)
@@ -219,7 +219,10 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         await self._logbook.write(EntryKind.NOTED, text=speed_sentence(self._speed, robot.motion_guard))
 
     async def _require_same_robot(self) -> None:
-        serial, wanted = told((await self._cell.robot_controller.identify()).serial), self._cell.robot_serial
+        serial, wanted = (
+            reported_serial_number((await self._cell.robot_controller.identify()).serial),
+            self._cell.robot_serial,
+        )
         if serial and wanted and not same_number(serial, wanted):
             raise ForeignRobotError(message("session.identity.robot_short", serial=serial, expected=wanted))
 

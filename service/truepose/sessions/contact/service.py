@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
 from truepose.domain.campaign import Campaign
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan, ContactTaken
@@ -16,7 +16,7 @@ from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import PlanningError
 from truepose.planning.workspace.bodies import bodies_of
-from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way, what_to_watch
+from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
 from truepose.sessions.contact.dry_run import check_plan
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
@@ -71,7 +71,7 @@ class ContactSessions(PromptingSessionController[ContactRunner]):
         await self.get(session_id)
         lines = await self.desk.ledger.whole(session_id)
         plan = await self.desk.sessions.contact_plan(session_id)
-        return f"session {session_id}", plan, taken_of(line.entry for line in lines)
+        return f"session {session_id}", plan, readings_of(line.entry for line in lines)
 
     # what the desk asks for
 
@@ -110,10 +110,10 @@ class ContactSessions(PromptingSessionController[ContactRunner]):
 def _judged(cell: Cell, plan: ContactPlan) -> Text:
     check_plan(plan, cell.robot, cell.base_nominal, motion_limits(cell.robot, cell.limits.joints))
     bodies, ways = bodies_of(cell), _ways(plan)
-    blocked = what_blocks_a_way(bodies, ways)
+    blocked = path_obstruction(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
-    return what_to_watch(bodies, ways)
+    return path_warnings(bodies, ways)
 
 
 def _chosen(cell: Cell, wanted: ContactPlanRequest) -> ContactPlan:

@@ -48,7 +48,7 @@ _THING: Final[dict[TargetKind, Message]] = {
 }
 
 
-def asked(question: Question, plan: ContactPlan) -> Text:
+def open_prompt(question: Question, plan: ContactPlan) -> Text:
     """Return what is asked."""
     match question:
         case Question.FIXTURE:

@@ -23,7 +23,7 @@ from truepose.messages.message import Text, message
 from truepose.sessions.engine.interlocks import (
     MAX_STATE_AGE_S,
     MotionConditions,
-    what_forbids_motion,
+    motion_obstacle,
 )
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.errors import MotionForbiddenError
@@ -274,7 +274,7 @@ class Arm:
             obstacle=permission.obstacle,
             max_state_age_s=self._max_state_age_s,
         )
-        forbidden = what_forbids_motion(conditions, target_rad, self._limits)
+        forbidden = motion_obstacle(conditions, target_rad, self._limits)
         if forbidden is not None:
             raise MotionForbiddenError(forbidden)
 

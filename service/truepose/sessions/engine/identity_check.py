@@ -46,7 +46,7 @@ class KnownDevice:
                 return replace(self, foreign=taken)
 
 
-def told(serial: str) -> str:
+def reported_serial_number(serial: str) -> str:
     """Return the serial number that a device told, empty where it told none."""
     plain = serial.strip()
     return "" if plain.lower() in _SAYS_NOTHING else plain
@@ -65,7 +65,7 @@ def judge(device: IdentityOf, answered: str, expected: str, known: KnownDevice) 
     known : KnownDevice
         From the session's record.
     """
-    serial, named = told(answered), expected.strip()
+    serial, named = reported_serial_number(answered), expected.strip()
     if not serial:
         # Silence is no answer to an open question: a foreign device that falls silent still waits for a
         # person.
@@ -95,7 +95,7 @@ def same_number(first: str, second: str) -> bool:
     return first.strip().casefold() == second.strip().casefold()
 
 
-def accepted(foreign: IdentityTaken, person: str) -> IdentityTaken:
+def acceptance_entry(foreign: IdentityTaken, person: str) -> IdentityTaken:
     """Return the line that says that a person accepted a device in place of the expected one."""
     return replace(foreign, finding="accepted", person=person)
 

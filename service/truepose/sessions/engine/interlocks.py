@@ -42,7 +42,7 @@ class MotionConditions:
     max_state_age_s: float = MAX_STATE_AGE_S
 
 
-def what_forbids_motion(
+def motion_obstacle(
     conditions: MotionConditions, target_rad: tuple[float, ...], limits: Sequence[JointRange]
 ) -> Text | None:
     """Return one sentence that says why nothing may move, None where nothing speaks against it."""
@@ -146,7 +146,7 @@ def binding_speed(
     return slowest(speed, limits or speed)
 
 
-def reduced(limits: MotionLimits) -> MotionLimits:
+def reduced_limits(limits: MotionLimits) -> MotionLimits:
     """Return the limits of a robot whose plans nobody has seen run: the standard's reduced speed."""
     return slowest(limits, MotionLimits(_REDUCED_MM_S, limits.orientation_speed_rad_s))
 

@@ -38,7 +38,7 @@ _PATIENCE_S: Final = 5.0  # wall time, for an onlooker to leave when the session
 
 
 @contextlib.asynccontextmanager
-async def looked_on(onlookers: Sequence[Onlooker]) -> AsyncIterator[None]:
+async def with_onlookers(onlookers: Sequence[Onlooker]) -> AsyncIterator[None]:
     """Let `onlookers` look on meanwhile; none of them ends what is looked at, or keeps it from ending."""
     tasks = [asyncio.create_task(_harmless(onlooker)) for onlooker in onlookers]
     try:
@@ -273,7 +273,7 @@ class SessionRunner(ABC, Generic[S]):
         Raises what the ledger raises. Every fault of the devices becomes a state with a sentence; so does a
         mistake of the program, which ends this run.
         """
-        async with looked_on(self.onlookers()):
+        async with with_onlookers(self.onlookers()):
             return await self._run()
 
     async def _run(self) -> SessionState:

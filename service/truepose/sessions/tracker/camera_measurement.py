@@ -27,7 +27,7 @@ from truepose.kinematics.frames import (
     vector_from_rotation,
 )
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity_check import told
+from truepose.sessions.engine.identity_check import reported_serial_number
 from truepose.sessions.engine.ledger import Logbook
 from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
 from truepose.sessions.errors import AttentionNeededError, PlanRefusedError, ReadingRejectedError
@@ -84,14 +84,14 @@ class Poses:
                 raise PlanRefusedError(message("session.cannot.camera", operation=str(operation)))
 
     async def _place(self) -> None:
-        serial = told((await self._identities.meet("tracker", self._device)).serial)
+        serial = reported_serial_number((await self._identities.meet("tracker", self._device)).serial)
         placed = stated_place(self._camera, serial)
         await self._logbook.write(EntryKind.COMPUTED, StepKind.REGISTER, registration=placed)
 
     async def _measure(self, stop: PlannedStop, here: AtRest) -> None:
         reading = await self._device.measure_pose(duration_s=self._plan.measure_s)
         # asked after the reading: one that was exchanged meanwhile behind the same address is seen
-        serial = told((await self._identities.meet("tracker", self._device)).serial)
+        serial = reported_serial_number((await self._identities.meet("tracker", self._device)).serial)
         turn = _turn(reading)
         seen_mm = turn @ self._centre_mm + np.array(reading.position_mm)
         world_mm, world_turn = to_world(self._registration, seen_mm), self._registration.rotation @ turn

@@ -12,8 +12,8 @@ from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, R
 from truepose.domain.session import PlaceOf, PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.messages.message import Text, message
-from truepose.planning.workspace.path_clearance import ways_between, what_to_watch
-from truepose.planning.workspace.space import WorkSpace, widened
+from truepose.planning.workspace.path_clearance import path_warnings, ways_between
+from truepose.planning.workspace.space import WorkSpace, widen_ranges
 from truepose.sessions.engine.interlocks import binding_speed, check_numbers, joint_outside
 from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
 from truepose.sessions.errors import PlanRefusedError
@@ -220,7 +220,7 @@ def motion_limits(
         return known
     if robot.calibration_ranges is None:
         raise PlanRefusedError(message("session.limits.unknown"))
-    return widened(robot.calibration_ranges, plan.approach_offset_rad)
+    return widen_ranges(robot.calibration_ranges, plan.approach_offset_rad)
 
 
 _S_PER_MIN = 60.0
@@ -244,7 +244,7 @@ def first_pass(plan: SessionPlan, cell: SessionCell) -> Text:
 _STATED_WITHIN_S: Final = 1.0  # of wall time; a question is not kept waiting for it
 
 
-async def what_lies_ahead(
+async def obstructions_ahead(
     cell: SessionCell, stops: Sequence[PlannedStop], approach_offset_rad: float | None
 ) -> Text:
     """Return on which ways to `stops` something would touch, from where the arm stands where that is known.
@@ -258,7 +258,7 @@ async def what_lies_ahead(
     # is said and never refuses (decision 0019).
     here_rad = await _stands_at(cell.robot_controller, len(stops[0].joints_rad))
     ways = ways_between(stops, approach_offset_rad, here_rad)
-    return await asyncio.to_thread(what_to_watch, bodies, ways)
+    return await asyncio.to_thread(path_warnings, bodies, ways)
 
 
 async def _stands_at(robot: RobotController, joints: int) -> tuple[float, ...] | None:

@@ -27,7 +27,7 @@ from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.engine.unattended import UnattendedRunner
 from truepose.sessions.errors import MotionForbiddenError, NotNowError, SessionError
 from truepose.sessions.tracker.cell import SessionCell
-from truepose.sessions.tracker.dry_run import check_plan, first_pass, motion_limits, what_lies_ahead
+from truepose.sessions.tracker.dry_run import check_plan, first_pass, motion_limits, obstructions_ahead
 from truepose.sessions.tracker.execution import Execution
 from truepose.sessions.tracker.faults import Line, lines_after
 from truepose.sessions.tracker.reflector_monitor import Sighting, Watch
@@ -198,7 +198,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
 
     async def _ask(self, what: Text, stops: Sequence[PlannedStop]) -> None:
         """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""
-        ahead = await what_lies_ahead(self._cell, stops, self._plan.approach_offset_rad)
+        ahead = await obstructions_ahead(self._cell, stops, self._plan.approach_offset_rad)
         asked = together(what, ahead, CELL_CLEAR)
         await self._logbook.keep(lambda: self._put(asked, tuple(stop.config for stop in stops)))
         self._asked = True

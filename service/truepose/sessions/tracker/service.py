@@ -9,8 +9,8 @@ from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.messages.message import Message, Text, message
 from truepose.planning.tracker.additions import Addition, WantedStop, addition
-from truepose.planning.workspace.bodies import CellBodies, bodies_of, what_is_in_the_way
-from truepose.planning.workspace.path_clearance import Ways, ways_between, what_blocks_a_way, what_to_watch
+from truepose.planning.workspace.bodies import CellBodies, bodies_of, first_obstruction
+from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings, ways_between
 from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot
@@ -28,11 +28,11 @@ from truepose.storage.records import AddedStops, RequestKey, SessionRecord, Sess
 from truepose_drivers.api import MotionLimits
 
 
-def judged(cell: Cell, plan: SessionPlan) -> Text:
+def path_warnings_of_plan(cell: Cell, plan: SessionPlan) -> Text:
     """Return what to watch on the ways of a plan; raises PlanRefusedError where this cell cannot do it."""
     require_fit(cell, plan)
     bodies = bodies_of(cell)
-    _refuse(what_is_in_the_way(bodies, plan.stops, plan.approach_offset_rad))
+    _refuse(first_obstruction(bodies, plan.stops, plan.approach_offset_rad))
     return _watched(bodies, ways_between(plan.stops, plan.approach_offset_rad))
 
 
@@ -52,13 +52,13 @@ def refuse_below_floor(
     bodies: CellBodies, stops: Sequence[PlannedStop], approach_offset_rad: float | None
 ) -> None:
     """Raise PlanRefusedError for the first stop, else the first way to one, that leads through the floor."""
-    _refuse(what_is_in_the_way(bodies, stops, approach_offset_rad, floor_only=True))
-    _refuse(what_blocks_a_way(bodies, ways_between(stops, approach_offset_rad), floor_only=True))
+    _refuse(first_obstruction(bodies, stops, approach_offset_rad, floor_only=True))
+    _refuse(path_obstruction(bodies, ways_between(stops, approach_offset_rad), floor_only=True))
 
 
 def _watched(bodies: CellBodies, ways: Ways) -> Text:
-    _refuse(what_blocks_a_way(bodies, ways))
-    return what_to_watch(bodies, ways)
+    _refuse(path_obstruction(bodies, ways))
+    return path_warnings(bodies, ways)
 
 
 def _refuse(blocked: Message | None) -> None:

@@ -9,7 +9,12 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import IdentityOf, IdentityTaken, Registration, Vector
 from truepose.messages.message import Text, message
-from truepose.sessions.engine.identity_check import accepted, same_number, sentence, told
+from truepose.sessions.engine.identity_check import (
+    acceptance_entry,
+    reported_serial_number,
+    same_number,
+    sentence,
+)
 from truepose.sessions.engine.ledger import IdentityCheck
 from truepose.sessions.errors import (
     ForeignInstrumentError,
@@ -63,9 +68,9 @@ class TrackerIdentityCheck(IdentityCheck):
         if foreign is None:
             return identity
         # Accepted is the number that the person named, not whoever answers (decision 0020).
-        if permitted is None or not same_number(permitted[0], told(identity.serial)):
+        if permitted is None or not same_number(permitted[0], reported_serial_number(identity.serial)):
             raise _refusal(foreign)
-        await self._note(accepted(foreign, permitted[1]))
+        await self._note(acceptance_entry(foreign, permitted[1]))
         return identity
 
     def _foreign(self, device: IdentityOf) -> IdentityTaken | None:
@@ -109,7 +114,7 @@ class CheckedTracker:
         if reading.face != face:
             raise ReadingRejectedError(message("session.tracker.face", face=reading.face, wanted=face))
         # asked after the reading: one that was exchanged meanwhile behind the same address is seen
-        self.serial = told((await self._identities.meet("tracker", self._tracker)).serial)
+        self.serial = reported_serial_number((await self._identities.meet("tracker", self._tracker)).serial)
         return reading
 
     async def _measure(self, duration_s: float) -> TrackerReading:

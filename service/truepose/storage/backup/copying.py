@@ -161,7 +161,7 @@ Write = Callable[[Path, Told], Head]  # everything into a file, verified; raises
 def back_up(
     database: Path, target: Path, told: Told = lambda share, doing: None, *, replace: bool = False
 ) -> Backup:
-    """Copy a database to `target` and verify the copy; raises as `written_copy`, and DatabaseAddressError."""
+    """Copy a database to `target` and verify the copy; raises as `write_copy`, and DatabaseAddressError."""
     if not database.is_file():
         raise DatabaseAddressError(f"There is no database {database}.")
 
@@ -173,10 +173,10 @@ def back_up(
         require_copy(part, head)
         return head
 
-    return written_copy(database, target, write, told, replace=replace)
+    return write_copy(database, target, write, told, replace=replace)
 
 
-def written_copy(database: Path, target: Path, write: Write, told: Told, *, replace: bool) -> Backup:
+def write_copy(database: Path, target: Path, write: Write, told: Told, *, replace: bool) -> Backup:
     """Have a copy written, verified and put at `target`, with the drafts of `database` beside it.
 
     Raises

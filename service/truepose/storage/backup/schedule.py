@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.messages.message import Text
-from truepose.storage.backup.copying import Backup, Told, back_up, drafts_beside, require_copy, written_copy
+from truepose.storage.backup.copying import Backup, Told, back_up, drafts_beside, require_copy, write_copy
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.restoring import restore, whole_copy
 from truepose.storage.backup.transfer import fill, transfer
@@ -46,7 +46,7 @@ def back_up_at(
         require_copy(part, head)
         return head
 
-    return written_copy(lies_beside(url), target, write, told, replace=replace)
+    return write_copy(lies_beside(url), target, write, told, replace=replace)
 
 
 def restore_at(

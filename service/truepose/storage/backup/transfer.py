@@ -16,9 +16,9 @@ from typing import Any, Final
 from truepose.messages.message import Text
 from truepose.storage.backup.copying import copy_drafts, restore_drafts
 from truepose.storage.database import backend_of
-from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.engine.address import database_file, display_address, is_server, parsed_url
 from truepose.storage.engine.backend import Condition, DatabaseBackend
-from truepose.storage.engine.reading import lies_beside, locked_for_reading, opened_at, refused_by
+from truepose.storage.engine.reading import library_errors, lies_beside, locked_for_reading, open_reader
 from truepose.storage.engine.schema import newest_revision
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseUsedError, NewerSchemaError
@@ -74,7 +74,7 @@ def snapshot(url: str) -> Iterator[str]:
     _require_there(url)
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         copy = Path(folder) / "copy.sqlite3"
-        with closing(opened_at(url)) as connection:
+        with closing(open_reader(url)) as connection:
             _require_readable(url, _schema(url, connection))
         if is_server(parsed_url(url)):
             fill(url, f"sqlite:///{copy}")
@@ -85,12 +85,12 @@ def snapshot(url: str) -> Iterator[str]:
 
 def fill(source: str, target: str, told: Told = lambda share, doing: None) -> Head:
     """Copy what a database holds at this moment, also while a service writes to it; raises as `transfer`."""
-    with closing(opened_at(source)) as connection:
+    with closing(open_reader(source)) as connection:
         return _fill(source, connection, target, told)
 
 
 def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
-    refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
+    refused: tuple[type[Exception], ...] = (*library_errors(source), *library_errors(target), ValueError)
     # Nobody reads the target yet, so nobody has to be kept from reading it.
     backend = backend_of(target, Condition(), contextlib.nullcontext)
     backend.open()
@@ -100,7 +100,7 @@ def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
         _require_empty(backend)
         return _filled(connection, backend, told)
     except refused as error:
-        where, said = f"{shown_address(source)} cannot be copied to {shown_address(target)}", str(error)
+        where, said = f"{display_address(source)} cannot be copied to {display_address(target)}", str(error)
         raise BackupError(f"{where} ({' '.join(said.split())}); nothing was kept.") from error
     finally:
         backend.close()
@@ -196,7 +196,7 @@ def _two(source: str, target: str) -> tuple[Path, Path]:
     # By what the servers say of themselves: two addresses of one database differ in every letter (decision
     # 0068).
     if beside[0] == beside[1]:
-        raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
+        raise BackupError(f"{display_address(source)} is both source and target; name another target.")
     return beside
 
 
@@ -233,7 +233,7 @@ def _require_readable(url: str, schema: str) -> None:
     """Raise BackupError for a server of an older schema, which is brought up to date in place only."""
     if is_server(parsed_url(url)) and schema != newest_revision():
         raise BackupError(
-            f"{shown_address(url)} has schema {schema}; start this version's service on it first."
+            f"{display_address(url)} has schema {schema}; start this version's service on it first."
         )
 
 
@@ -249,12 +249,12 @@ def _copy_file(older: Path, copy: Path) -> None:
 def _schema(url: str, connection: Any) -> str:
     try:
         found = connection.execute("SELECT version_num FROM alembic_version").fetchone()
-    except refused_by(url) as error:
-        raise BackupError(f"{shown_address(url)} holds no database of truepose ({error}).") from error
+    except library_errors(url) as error:
+        raise BackupError(f"{display_address(url)} holds no database of truepose ({error}).") from error
     schema = found[0] if isinstance(found[0], str) else bytes(found[0]).decode()
     # Revisions are numbered with leading zeros, so the order of the texts is that of the schemas.
     if schema > newest_revision():
-        raise NewerSchemaError(f"{shown_address(url)} has schema {schema}, which a newer version wrote.")
+        raise NewerSchemaError(f"{display_address(url)} has schema {schema}, which a newer version wrote.")
     return schema
 
 

@@ -41,7 +41,7 @@ def parsed_url(url: str) -> URL:
     parsed = parsed.set(drivername=_ALSO.get(parsed.drivername, parsed.drivername))
     known = parsed.get_backend_name() in {"sqlite", "postgresql"} and "+" not in parsed.drivername
     if not known or parsed.database in _IN_MEMORY:
-        raise DatabaseAddressError(f"'{shown(parsed)}' is no database that holds records; {_WRITE}")
+        raise DatabaseAddressError(f"'{display_url(parsed)}' is no database that holds records; {_WRITE}")
     return _by_socket(parsed)
 
 
@@ -60,7 +60,7 @@ def is_server(parsed: URL) -> bool:
     return parsed.get_backend_name() == "postgresql"
 
 
-def shown(parsed: URL) -> str:
+def display_url(parsed: URL) -> str:
     """Return a URL as people are told of it: without password and options."""
     # Host and port may stand in the options; every other option stays unsaid, `password` among them.
     kept = {name: value for name, value in parsed.query.items() if name in {"host", "port"}}
@@ -69,10 +69,10 @@ def shown(parsed: URL) -> str:
     ).render_as_string()
 
 
-def shown_address(url: str) -> str:
+def display_address(url: str) -> str:
     """Return what people are told of a database: its file, or a URL without password and options."""
     parsed = parsed_url(url)
-    return shown(parsed) if is_server(parsed) else str(database_file(url))
+    return display_url(parsed) if is_server(parsed) else str(database_file(url))
 
 
 def _said(url: str) -> str:

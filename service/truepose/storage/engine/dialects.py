@@ -251,7 +251,7 @@ def number(table: str) -> sa.Column[int]:
     return sa.Column("id", WHOLE, primary_key=True, autoincrement=True, default=next_number(table))
 
 
-def recorded() -> sa.Column[str]:
+def recorded_time() -> sa.Column[str]:
     """Return when a record was written."""
     return sa.Column("recorded_at", TEXT, nullable=False)
 
@@ -263,7 +263,7 @@ def reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[in
 
 def records(name: str, *columns: SchemaItem) -> sa.Table:
     """Return a table of records."""
-    return sa.Table(name, metadata, number(name), recorded(), *columns, sqlite_autoincrement=True)
+    return sa.Table(name, metadata, number(name), recorded_time(), *columns, sqlite_autoincrement=True)
 
 
 def records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:

@@ -12,7 +12,7 @@ from sqlalchemy import Connection
 from sqlalchemy.engine import Transaction
 from sqlalchemy.exc import DBAPIError
 
-from truepose.storage.engine.address import database_file, parsed_url, shown
+from truepose.storage.engine.address import database_file, display_url, parsed_url
 from truepose.storage.engine.backend import (
     READERS,
     Alone,
@@ -27,7 +27,7 @@ from truepose.storage.engine.postgresql_connections import (
     PlainConnection,
     has_ended,
     reading_engine,
-    translated,
+    translate_error,
     writing_engine,
 )
 from truepose.storage.engine.postgresql_server import (
@@ -57,7 +57,7 @@ class ServerDatabase(DatabaseBackend):
 
     def __init__(self, url: str, condition: Condition, alone: Alone) -> None:
         self._url = parsed_url(url)
-        super().__init__(url, database_file(url), shown(self._url), condition, alone)
+        super().__init__(url, database_file(url), display_url(self._url), condition, alone)
         self._doubtful: ClosingState | None = None  # newest link of a commit that may have been made
         self._lost: str | None = None  # why nothing is written any more
         self._was_away = False  # and nobody has looked yet what was written meanwhile
@@ -188,7 +188,7 @@ class ServerDatabase(DatabaseBackend):
 
     def translated(self, error: Exception) -> StorageError:
         """Return what the library raised as an error of the storage."""
-        return translated(self.where, error)
+        return translate_error(self.where, error)
 
     def ended(self, error: Exception) -> bool:
         """Whether what the library raised says that a connection has ended."""

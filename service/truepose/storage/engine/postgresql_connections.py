@@ -113,7 +113,7 @@ def reading_engine(url: URL, most: int) -> Engine:
     return engine
 
 
-def opened(url: str) -> PlainConnection:
+def open_connection(url: str) -> PlainConnection:
     """Return a connection that reads a database, one moment of it in each transaction."""
     parsed = parsed_url(url).difference_update_query([ACCEPTED])
     connection = psycopg.connect(parsed.render_as_string(hide_password=False), autocommit=True, **_OURS)  # type: ignore[arg-type]
@@ -186,7 +186,7 @@ _NOT_LET_IN: Final[Mapping[str, str]] = {
 }
 
 
-def translated(where: str, error: Exception) -> StorageError:
+def translate_error(where: str, error: Exception) -> StorageError:
     """Return an error of the library, wrapped or as it is, as one of ours."""
     original = _original(error)
     code, said = _code(original), " ".join(str(original).split())

@@ -6,23 +6,23 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.engine.address import database_file, is_server, parsed_url, shown, shown_address
+from truepose.storage.engine.address import database_file, display_address, display_url, is_server, parsed_url
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.engine.sqlite_file import ServiceLock
 from truepose.storage.errors import DatabaseAddressError
 
 
-def opened_at(url: str) -> Any:
+def open_reader(url: str) -> Any:
     """Return a plain connection that reads a database and keeps nobody from writing; raises StorageError."""
     if not is_server(parsed_url(url)):
         return opened_file(database_file(url))
     require_library()
-    from truepose.storage.engine.postgresql_connections import REFUSED, opened, translated
+    from truepose.storage.engine.postgresql_connections import REFUSED, open_connection, translate_error
 
     try:
-        return opened(url)
+        return open_connection(url)
     except REFUSED as error:
-        raise translated(shown(parsed_url(url)), error) from error
+        raise translate_error(display_url(parsed_url(url)), error) from error
 
 
 def lies_beside(url: str) -> Path:
@@ -33,10 +33,10 @@ def lies_beside(url: str) -> Path:
     """
     if not is_server(parsed_url(url)):
         return database_file(url)
-    with closing(opened_at(url)) as connection:
+    with closing(open_reader(url)) as connection:
         from truepose.storage.engine.postgresql_server import server_file
 
-        return server_file(connection, shown_address(url))
+        return server_file(connection, display_address(url))
 
 
 @contextmanager
@@ -50,19 +50,19 @@ def locked_for_reading(url: str) -> Iterator[Any]:
         # takes.
         lock = ServiceLock(database_file(url))
         try:
-            with closing(opened_at(url)) as connection:
+            with closing(open_reader(url)) as connection:
                 yield connection
         finally:
             lock.release()
         return
-    with closing(opened_at(url)) as connection:
+    with closing(open_reader(url)) as connection:
         from truepose.storage.engine.postgresql_server import take_lock
 
-        take_lock(connection, shown(parsed_url(url)))
+        take_lock(connection, display_url(parsed_url(url)))
         yield connection
 
 
-def refused_by(url: str) -> tuple[type[Exception], ...]:
+def library_errors(url: str) -> tuple[type[Exception], ...]:
     """Return what the library of an address raises."""
     if not is_server(parsed_url(url)):
         return (LIBRARY.DatabaseError,)
@@ -74,10 +74,10 @@ def refused_by(url: str) -> tuple[type[Exception], ...]:
 def require_answering(url: str, error: Exception) -> None:
     """Raise ServerAwayError where what a library raised says that there is no connection any more."""
     if is_server(parsed_url(url)):
-        from truepose.storage.engine.postgresql_connections import has_ended, translated
+        from truepose.storage.engine.postgresql_connections import has_ended, translate_error
 
         if has_ended(error):
-            raise translated(shown(parsed_url(url)), error) from error
+            raise translate_error(display_url(parsed_url(url)), error) from error
 
 
 def require_library() -> None:

@@ -31,7 +31,7 @@ from truepose.storage.engine.sqlite_connections import (
     reading_engine,
     refused_at_opening,
     says_full,
-    translated,
+    translate_error,
     writing_engine,
 )
 from truepose.storage.engine.sqlite_file import DatabaseFile, ServiceLock
@@ -204,7 +204,7 @@ class SQLiteFile(DatabaseBackend):
 
     def translated(self, error: Exception) -> StorageError:
         """Return what the library raised as an error of the storage."""
-        return translated(self.file, error)
+        return translate_error(self.file, error)
 
     def ended(self, error: Exception) -> bool:
         """Whether a connection has ended: one to a file never does by itself."""

@@ -144,13 +144,13 @@ _DAMAGE: Final = (
 
 
 def refused_at_opening(file: Path, error: Exception) -> StorageError:
-    """Return what `translated` does, of a file that may never have been a database."""
+    """Return what `translate_error` does, of a file that may never have been a database."""
     if _FOREIGN in str(error):
         return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
-    return translated(file, error)
+    return translate_error(file, error)
 
 
-def translated(file: Path, error: Exception) -> StorageError:
+def translate_error(file: Path, error: Exception) -> StorageError:
     """Return an error of the library, wrapped or as it is, as one of ours."""
     said = str(error.orig if isinstance(error, DatabaseError) else error)
     if isinstance(error, (IntegrityError, LIBRARY.IntegrityError)):

@@ -83,7 +83,7 @@ def head_of(links: int, newest: Mapping[int, bytes]) -> Head:
     return Head(links, _grouped(base64.b32encode(digest.digest()[:_BYTES]).decode()))
 
 
-def contradicted(connection: Any, printed: Head) -> str | None:
+def contradiction(connection: Any, printed: Head) -> str | None:
     """Return what is said where a database does not hold what a printed head stands for; None: it does."""
     newest = newest_head(connection)
     if newest.links < printed.links:

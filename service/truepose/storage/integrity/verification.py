@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.engine.address import database_file, display_address, is_server, parsed_url
 from truepose.storage.engine.backend import Condition
 from truepose.storage.engine.raw_connection import damaged_pages, missing_protection, numbers_given
-from truepose.storage.engine.reading import lies_beside, opened_at, refused_by, require_answering
+from truepose.storage.engine.reading import library_errors, lies_beside, open_reader, require_answering
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, digest, has_link
 from truepose.storage.integrity.hash_chain import (
@@ -30,7 +30,7 @@ from truepose.storage.integrity.hash_chain import (
     linked_hash,
     stream_of,
 )
-from truepose.storage.integrity.head_hash import Head, contradicted, newest_head
+from truepose.storage.integrity.head_hash import Head, contradiction, newest_head
 from truepose.storage.secret_files import is_taken_out
 from truepose.storage.tables import metadata, read_at_once
 
@@ -61,7 +61,7 @@ def verify_at(url: str, told: Told = lambda share: None, printed: Head | None = 
     where a server cannot be reached.
     """
     try:
-        with closing(opened_at(url)) as connection:
+        with closing(open_reader(url)) as connection:
             damaged = tuple(damaged_pages(connection))
             if damaged:  # what such pages say need have no order and no end
                 return Verdict(0, damaged)
@@ -69,11 +69,11 @@ def verify_at(url: str, told: Told = lambda share: None, printed: Head | None = 
             told(0.1)
             chain = _ChainReader(connection)
             chain.read(lambda share: told(0.1 + 0.9 * share))
-            if printed is not None and (said := contradicted(connection, printed)) is not None:
+            if printed is not None and (said := contradiction(connection, printed)) is not None:
                 further.append(said)
             findings = (*chain.findings[:_MOST_FINDINGS], *further)
             return Verdict(chain.records, findings, chain.newest, newest_head(connection))
-    except refused_by(url) as error:
+    except library_errors(url) as error:
         require_answering(url, error)
         return Verdict(0, (f"The database cannot be read ({' '.join(str(error).split())}).",))
 
@@ -304,9 +304,9 @@ def _against(url: str, left: ClosingState, seal: Path) -> Iterator[str]:
             found = digest(opened)
         if found != left.sha256:
             yield f"The file {file} was changed while no service had it open."
-    with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
+    with contextlib.suppress(*library_errors(url)), contextlib.closing(open_reader(url)) as connection:
         if not has_link(connection, left):
-            yield newest_missing(shown_address(url), seal)
+            yield newest_missing(display_address(url), seal)
 
 
 _LOWEST_PRIORITY: Final = 19

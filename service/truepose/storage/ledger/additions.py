@@ -9,7 +9,7 @@ from truepose.domain.session import PlannedStop
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError
-from truepose.storage.record_insertion import add_event, add_row, answered, once
+from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import AddedStops, AdditionRecord, RequestKey
 from truepose.storage.tables import added_stops, closings
 
@@ -76,7 +76,7 @@ def _add(connection: Connection, added: AddedStops) -> int:
 
 
 def _answered(connection: Connection, key: RequestKey) -> AddedStops | None:
-    number = answered(connection, key, _RESOURCE)
+    number = answered_number(connection, key, _RESOURCE)
     if number is None:
         return None
     row = connection.execute(select(added_stops).where(added_stops.c.id == number)).one()

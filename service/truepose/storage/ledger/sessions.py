@@ -28,7 +28,7 @@ from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.ledger.additions import additions_to, stops_added_to
 from truepose.storage.ledger.pose_counts import measured_poses, skipped_poses
 from truepose.storage.queries import NumberedRecords
-from truepose.storage.record_insertion import add_event, add_row, answered, once
+from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import AdditionRecord, RequestKey, SessionRecord, SessionSetup, StateChange
 from truepose.storage.results.campaigns import in_cell, is_simulated, simulated_session
 from truepose.storage.tables import (
@@ -119,7 +119,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
     async def answered(self, key: RequestKey) -> int | None:
         """Return the session that a request with this key made before; raises KeyReusedError."""
-        return await self._database.read(lambda c: answered(c, key, "session"))
+        return await self._database.read(lambda c: answered_number(c, key, "session"))
 
     async def in_state(self, *states: SessionState) -> list[SessionRecord]:
         """Return the sessions that stand in one of `states`, oldest first."""

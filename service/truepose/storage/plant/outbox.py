@@ -167,12 +167,12 @@ _FLOAT: Final = "float"
 _BYTES: Final = "base64"
 
 
-def typed(row: Mapping[str, Any]) -> dict[str, Any]:
+def to_typed_json(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row of the database as JSON can hold it, without columns that are null."""
     return {name: _written(value) for name, value in row.items() if value is not None}
 
 
-def untyped(document: Any) -> dict[str, Value]:
+def from_typed_json(document: Any) -> dict[str, Value]:
     """Return the row that a document holds; raises UnreadableRowError where it holds none."""
     if not isinstance(document, dict):
         raise UnreadableRowError(f"A record is an object with a value for each column, not {document!r:.60}.")

@@ -12,7 +12,7 @@ from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, func, selec
 from truepose.storage.database import Database
 from truepose.storage.documents import from_json
 from truepose.storage.errors import DamagedDatabaseError
-from truepose.storage.plant.outbox import untyped
+from truepose.storage.plant.outbox import from_typed_json
 from truepose.storage.plant.queries import (
     ResultRecord,
     cells_of_branches,
@@ -150,7 +150,7 @@ def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[Re
     query = select(plant_told, plant_cells.c.name.label("cell")).select_from(with_cells(plant_told))
     last_first = (plant_told.c.measured_on.desc(), plant_told.c.id.desc())
     rows = connection.execute(query.where(own).order_by(*last_first).limit(limit))
-    return [one for one in map(told_seen, rows) if one.measured_on][::-1]
+    return [one for one in map(result_figures, rows) if one.measured_on][::-1]
 
 
 def _counts_before(told: ResultFacts, other: ResultFacts, upto: str) -> bool:
@@ -165,7 +165,7 @@ def _came_after(connection: Connection, number: int, queries: Iterable[Any]) -> 
     """Return the number of the last row, and what queries find; nothing where none is above a number."""
     last = _last_row(connection)
     rows = (row for query in queries if last > number for row in connection.execute(query))
-    return last, [told_seen(row) for row in rows]
+    return last, [result_figures(row) for row in rows]
 
 
 def _above(number: int) -> Any:
@@ -188,7 +188,7 @@ def _known_before(connection: Connection, day: str) -> _Before:
         known = _last_of(kind, _EVERY.c.id <= before.known_up_to, _EVERY.c.measured_on <= day)
         query = _chosen(known, _last_of(kind, _EVERY.c.measured_on < day))
         for row in connection.execute(query):
-            before.found[row.robot_serial_number][kind] = told_seen(row)
+            before.found[row.robot_serial_number][kind] = result_figures(row)
     return before
 
 
@@ -207,7 +207,7 @@ def _chosen(*choices: Any) -> Any:
     )
 
 
-def told_seen(row: Row[Any]) -> ResultFacts:
+def result_figures(row: Row[Any]) -> ResultFacts:
     """Return what a result tells as it was read."""
     seen = {name: getattr(row, name) for name in ResultFacts.__dataclass_fields__}
     return ResultFacts(**{**seen, "measured_on": day_said(row.measured_on)})
@@ -235,7 +235,7 @@ class CollectedCampaigns:
         of_it = (plant_journal.c.record == _RECORD) & (plant_journal.c.record_id == campaign.record_id)
         query = select(plant_journal.c.content).where(here, of_it)
         text = await self._database.read(lambda connection: connection.scalar(query))
-        row = {} if text is None else untyped(from_json(text))
+        row = {} if text is None else from_typed_json(from_json(text))
         found = row.get("campaign")
         if not isinstance(found, bytes):
             raise DamagedDatabaseError(

@@ -10,7 +10,7 @@ from truepose.storage.documents import from_document, to_document
 from truepose.storage.engine.dialects import WHOLE, entries_at, is_object_at, length_at, truth_at
 from truepose.storage.errors import NotFoundError
 from truepose.storage.queries import NumberedRecords
-from truepose.storage.record_insertion import add_event, add_row, answered, once
+from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import CampaignRecord, CampaignSummary, RequestKey
 from truepose.storage.tables import campaigns, readings, session_entries, sessions
 
@@ -120,7 +120,7 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
 
     async def answered(self, key: RequestKey) -> int | None:
         """Return the campaign that a request with this key made before; raises KeyReusedError."""
-        return await self._database.read(lambda c: answered(c, key, "campaign"))
+        return await self._database.read(lambda c: answered_number(c, key, "campaign"))
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip that was uploaded, empty where none was; raises NotFoundError."""

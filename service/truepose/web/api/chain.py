@@ -13,7 +13,7 @@ from fastapi import Query
 from fastapi.responses import Response, StreamingResponse
 from pydantic import Field
 
-from truepose.storage.plant.outbox import Outbox, OutboxLink, typed
+from truepose.storage.plant.outbox import Outbox, OutboxLink, to_typed_json
 from truepose.web.context import Here
 from truepose.web.resources import problems, resource
 from truepose.web.schemas import NUMBER_LIMIT, Reply
@@ -121,7 +121,7 @@ def _line(link: OutboxLink) -> str:
         "hash": link.hash.hex(),
     }
     if link.row is not None:
-        said["row"] = typed(link.row)
+        said["row"] = to_typed_json(link.row)
     if link.told is not None:
-        said["told"] = typed(link.told)
+        said["told"] = to_typed_json(link.told)
     return json.dumps(said, ensure_ascii=False, separators=(",", ":")) + "\n"

@@ -25,7 +25,7 @@ from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.messages.catalogue import english
 from truepose.messages.message import message
 from truepose.storage.records import CorrectionRecord
-from truepose.web.api.jobs import JobReply, queued
+from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import (
     Id,
@@ -258,7 +258,7 @@ async def correct_file(
         said = repr(asked).encode() + sent.fingerprint
         by_key = None if key is None else request_key(request, key, said)
         number = await here.job_desk.correct(id, file, asked, by_key, sender)
-    return await queued(here, number, response)
+    return await queued_job(here, number, response)
 
 
 @router.get("/models/{id}/corrections", responses=listing(404, 422, 503))

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from fastapi import Query, Response, status
 from pydantic import Field
 
-from truepose.analysis.comparison import compare_over_time, dated
+from truepose.analysis.comparison import compare_over_time, dated_diagnoses
 from truepose.diagnosis.alarms import Alarm, NewCause, alarms
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting
 from truepose.domain.diagnosis import Confidence, Verdict
@@ -16,7 +16,7 @@ from truepose.exchange.results.document import FieldSource, Quantity, Spoken, nu
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.storage.records import DiagnosisRecord, RequestKey
 from truepose.web.api.identifications import EffectNames
-from truepose.web.api.jobs import JobReply, queued
+from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import Id, OptionalKey, Paged, Sender, listing, problems, resource
 from truepose.web.schemas import (
@@ -203,7 +203,7 @@ def comparison_reply(
         diagnoses=[diagnosis_summary_reply(record) for record in records],
         undated_ids=[record.id for record in records if record.measured_at is None],
         causes=[_cause(cause) for cause in causes],
-        alarms=[_alarm(alarm) for alarm in alarms(causes, dated(records))],
+        alarms=[_alarm(alarm) for alarm in alarms(causes, dated_diagnoses(records))],
     )
 
 
@@ -254,7 +254,7 @@ async def diagnose_campaign(
     """Diagnose a campaign in a worker process; the job's result is the diagnosis."""
     effects = _named(wanted.effects)
     number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key, sender)
-    return await queued(here, number, response)
+    return await queued_job(here, number, response)
 
 
 @router.post("/sessions/{id}/diagnosis", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
@@ -271,7 +271,7 @@ async def diagnose_session(
     campaign_key = None if key is None else RequestKey(f"{key.key} campaign", key.fingerprint)
     campaign_id = await here.campaign_desk.from_sessions(name, id, wanted.validation_session_id, campaign_key)
     number = await here.job_desk.diagnose(campaign_id, effects, key=key, sender=sender)
-    return await queued(here, number, response)
+    return await queued_job(here, number, response)
 
 
 @router.get("/diagnoses", responses=listing(422, 503))

@@ -9,7 +9,7 @@ from truepose.effects.registry import EFFECTS, chosen_effects
 from truepose.exchange.results.identification import IdentificationDocument
 from truepose.exchange.results.validation import ValidationDocument
 from truepose.storage.records import IdentificationRecord, ValidationRecord
-from truepose.web.api.jobs import JobReply, queued
+from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import Id, OptionalKey, Paged, Sender, listing, problems, resource
 from truepose.web.schemas import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
@@ -95,7 +95,7 @@ async def identify_campaign(
     """Identify a campaign in a worker process; the job's result is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
     number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender)
-    return await queued(here, number, response)
+    return await queued_job(here, number, response)
 
 
 @router.get("", response_model_exclude_unset=True, responses=listing(422, 503))
@@ -121,7 +121,7 @@ async def validate_model(
 ) -> JobReply:
     """Judge a model in a worker process; the job's result is the validation."""
     number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key, sender)
-    return await queued(here, number, response)
+    return await queued_job(here, number, response)
 
 
 @validations_router.get("", responses=listing(422, 503))

@@ -155,7 +155,7 @@ def planned_or_queued(session: type[Reply], job: str) -> dict[int | str, dict[st
     }
 
 
-async def queued(here: Context, number: int, response: Response, *, preferred: bool = False) -> JobReply:
+async def queued_job(here: Context, number: int, response: Response, *, preferred: bool = False) -> JobReply:
     """Return a job that was queued just now, and say where it is watched.
 
     `preferred`: the client would rather be told of it than wait (RFC 7240).

@@ -15,11 +15,11 @@ from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.messages.message import Text, message
 from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of
-from truepose.sessions.ballbar.planning import judged as judged_by_bar
-from truepose.sessions.tracker.service import judged
+from truepose.sessions.ballbar.planning import path_warnings_of_plan as judged_by_bar
+from truepose.sessions.tracker.service import path_warnings_of_plan
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
-from truepose.web.api.jobs import JobReply, queued
+from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.api.sessions.ballbar import queue_plan
 from truepose.web.context import Context, Here
 from truepose.web.pages.session_results import origin_of
@@ -139,7 +139,7 @@ async def _what_to_watch(here: Context, setup: SessionSetup, plan: AnyPlan) -> T
     if isinstance(plan, BallbarPlan):
         await here.ballbar_sessions.require_possible(setup, plan)
         return await asyncio.to_thread(judged_by_bar, setup.cell, plan, kit_of(setup))
-    return await asyncio.to_thread(judged, setup.cell, plan)
+    return await asyncio.to_thread(path_warnings_of_plan, setup.cell, plan)
 
 
 async def _anew(
@@ -174,4 +174,4 @@ async def plan_session_again(
     and its instruments are those of the cell file now.
     """
     template = await template_of(here, id)
-    return await queued(here, await plan_again(here, template, wanted, key, sender), response)
+    return await queued_job(here, await plan_again(here, template, wanted, key, sender), response)

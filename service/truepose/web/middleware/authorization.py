@@ -30,7 +30,7 @@ from truepose.web.middleware.rights import (
     may,
     may_ask,
 )
-from truepose.web.middleware.routing import Operation, RouteTable, asked_operation
+from truepose.web.middleware.routing import Operation, RouteTable, requested_operation
 from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 
 COOKIE: Final = "truepose_sign_in"
@@ -62,7 +62,7 @@ class AuthorizationMiddleware:
         if scope["type"] != "http" or here is None:  # without a context there is nothing to ask for
             await self._app(scope, receive, send)
             return
-        operation = asked_operation(self._operations, scope["method"], scope["path"])
+        operation = requested_operation(self._operations, scope["method"], scope["path"])
         client = scope.get("client")
         asked = RequestRecord(_caller(scope, here.people.accounts), client[0] if client else "")
         begin_request(asked)

@@ -50,7 +50,7 @@ class AskedHost:
     port: int | None
 
 
-def asked_host(text: str) -> AskedHost | None:
+def requested_host(text: str) -> AskedHost | None:
     """Return what a Host says; None where it is no host: with a user, a path, a dot at its end."""
     found = _HOST.fullmatch(text)
     if found is None:
@@ -97,7 +97,7 @@ class AllowedHosts:
         """Return whether pages of an origin are those of the host that was asked."""
         scheme = self._schemes.get(host.name)
         said, _, rest = text.partition("://")
-        origin = asked_host(rest)
+        origin = requested_host(rest)
         if scheme is None or origin is None or said.lower() != scheme or origin.name != host.name:
             return False
         usual = _DEFAULT_PORT[scheme]
@@ -120,7 +120,7 @@ def _told(listening: str) -> str | None:
         address = ipaddress.ip_address(listening)
     except ValueError:
         # "", "0" and "0x0" stand for all addresses too, and no name looks like that.
-        found = None if _ODD_ADDRESS.fullmatch(listening) else asked_host(listening)
+        found = None if _ODD_ADDRESS.fullmatch(listening) else requested_host(listening)
         return None if found is None or found.port is not None else found.name
     if address.is_unspecified:
         return None

@@ -33,7 +33,7 @@ def words_in(wanted: Iterable[str], units: Units) -> Catalogue:
 
 def accepted(request: HTTPConnection) -> list[str]:
     """Return the languages that whoever asks prefers, the most wanted first."""
-    return preferred(request.headers.get("accept-language", ""))
+    return preferred_languages(request.headers.get("accept-language", ""))
 
 
 def wanted_units(request: HTTPConnection) -> Units:
@@ -46,7 +46,7 @@ def _tokens(told: str) -> list[str]:
     return told.split("-")
 
 
-def preferred(accepted: str) -> list[str]:
+def preferred_languages(accepted: str) -> list[str]:
     """Return the languages of an `Accept-Language` header (RFC 9110, 12.5.4), the most wanted first."""
     weighed = [_weighed(part) for part in accepted.split(",") if part.strip()]
     return [language for weight, language in sorted(weighed, key=lambda one: -one[0]) if weight > 0.0]
@@ -101,10 +101,10 @@ def in_words(text: Text) -> str:
     return reader_words().spoken(text)
 
 
-def said(text: Text | None) -> str | None:
+def say(text: Text | None) -> str | None:
     """Return a text as whoever asks reads it; None where nothing is said."""
     return None if text is None else in_words(text)
 
 
 Said = Annotated[str, BeforeValidator(in_words)]
-SaidOrNull = Annotated[str | None, BeforeValidator(said)]
+SaidOrNull = Annotated[str | None, BeforeValidator(say)]

@@ -82,6 +82,6 @@ def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
     )
 
 
-def asked_operation(operations: RouteTable[Operation], method: str, path: str) -> Operation | None:
+def requested_operation(operations: RouteTable[Operation], method: str, path: str) -> Operation | None:
     """Return what is asked for; None where there is no such thing."""
     return next((o for o in operations.at(path) if method in o.methods and o.matches.match(path)), None)

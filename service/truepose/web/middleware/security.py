@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from truepose.messages.error_codes import code_named
-from truepose.web.middleware.hosts import AllowedHosts, AskedHost, Proxies, asked_host
+from truepose.web.middleware.hosts import AllowedHosts, AskedHost, Proxies, requested_host
 from truepose.web.problems import problem_response
 from truepose.web.schemas import TIME_HEADER, time_s
 
@@ -76,7 +76,7 @@ def judge(asked: RequestOrigin, hosts: AllowedHosts) -> Welcome | Refusal:
 
 def _host(asked: RequestOrigin, hosts: AllowedHosts) -> AskedHost | Refusal:
     sent = asked.all(b"host")
-    host = asked_host(sent[0]) if len(sent) == 1 else None
+    host = requested_host(sent[0]) if len(sent) == 1 else None
     if host is None:
         return Refusal(
             HTTPStatus.BAD_REQUEST, "The request must name the host that it asks, once: a name and a port."

@@ -19,7 +19,15 @@ from truepose.storage.records import ModelRecord
 from truepose.web.api.sessions.schemas import MOST_STOPS
 from truepose.web.context import Context
 from truepose.web.pages.conditions import ResultDocument, audit_of, session_conditions
-from truepose.web.pages.session_results import Choice, Entry, Form, Origin, ResultKind, made_on, model_for
+from truepose.web.pages.session_results import (
+    Choice,
+    Entry,
+    Form,
+    Origin,
+    ResultKind,
+    model_for,
+    robot_of_model,
+)
 
 if TYPE_CHECKING:
     from truepose.reports.report import Report
@@ -143,7 +151,7 @@ async def _proof(here: Context, origin: Origin, choice: Choice, words: Catalogue
 
 async def _warnings(here: Context, model: ModelRecord, serial: str) -> tuple[Message, ...]:
     """Return what speaks against the model beside the readings: it was made on another robot."""
-    made_for = await made_on(here, model)
+    made_for = await robot_of_model(here, model)
     if not made_for or not serial or same_number(made_for, serial):
         return ()
     return (message("proof.other_serial", made_for=made_for, here=serial),)

@@ -18,7 +18,7 @@ from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_campaign
 from truepose.web.pages.records import missing, record_at, trail_of
 from truepose.web.pages.rendering import Visited, Whole, moment
-from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, drawn_as_report
+from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
 from truepose.web.pages.session_results import Choice
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLR
         "results/diagnosis.html",
         record=record,
         actions=await _actions(here, record),
-        content=await drawn_as_report(visit, DIAGNOSIS, record.id, whole=whole, cover=False),
+        content=await report_page(visit, DIAGNOSIS, record.id, whole=whole, cover=False),
         trail=await trail_of(visit, WorkKind.DIAGNOSIS, record.id),
     )
 

@@ -18,7 +18,7 @@ from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_campaign
 from truepose.web.pages.records import missing, record_at, trail_of
 from truepose.web.pages.rendering import Visit, Visited, Whole, render, render_part
-from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, drawn_as_report
+from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
 from truepose.web.pages.session_results import Choice
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ async def _report_page(
 ) -> HTMLResponse:
     if record is None:
         return missing(visit)
-    content = await drawn_as_report(visit, report, record.id, whole=whole)
+    content = await report_page(visit, report, record.id, whole=whole)
     trail = await trail_of(visit, kind, record.id)
     return visit.page(f"results/{kind.value}.html", record=record, content=content, trail=trail)
 

@@ -13,7 +13,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
-from truepose.messages.error_codes import CODES, explained
+from truepose.messages.error_codes import CODES, explain
 from truepose.web.pages.rendering import Visited, file_response
 
 router = APIRouter(include_in_schema=False)
@@ -110,7 +110,7 @@ _GROUP: Final = len("TP-")  # where in a code the digit of its group stands
 async def errors_page(visit: Visited) -> HTMLResponse:
     """List every code with what happened."""
     groups = [
-        (visit.words.say(f"page.errors.group.{digit}"), [explained(code, visit.words) for code in codes])
+        (visit.words.say(f"page.errors.group.{digit}"), [explain(code, visit.words) for code in codes])
         for digit, codes in groupby(CODES, lambda code: code[_GROUP])
     ]
     return visit.page("errors/errors.html", groups=groups)
@@ -122,4 +122,4 @@ async def error_page(visit: Visited, code: str) -> HTMLResponse:
     wanted = code.upper()
     if wanted not in CODES:
         return visit.page("errors/no_error.html", HTTPStatus.NOT_FOUND, code=code)
-    return visit.page("errors/error.html", told=explained(wanted, visit.words), sentence="")
+    return visit.page("errors/error.html", told=explain(wanted, visit.words), sentence="")

@@ -24,7 +24,7 @@ from truepose.domain.people import Role, reaches
 from truepose.messages.catalogue import LANGUAGES, Catalogue, catalogue
 from truepose.messages.templates import in_units
 from truepose.people.register import Caller
-from truepose.storage.caches import drawn_of
+from truepose.storage.caches import rendered_page
 from truepose.web.context import Context, Here
 from truepose.web.middleware.language import wanted_words
 from truepose.web.middleware.rights import current_request, may_ask
@@ -180,7 +180,7 @@ async def pdf_response(visit: Visit, page: str, name: str) -> Response:
     """Return a page as a PDF of that name; raises what a worker may raise."""
     from truepose.reports.paper import pdf_of
 
-    of = f"pdf {drawn_of(page.encode()).sha256}"
+    of = f"pdf {rendered_page(page.encode()).sha256}"
     desk = visit.here.drawing_desk
     drawn = await desk.kept.drawn(of, lambda: desk.draw(pdf_of, page))
     named = {"Content-Disposition": f'inline; filename="{name}"'}

@@ -84,7 +84,7 @@ async def report_of(
             return await here.reports.get(subject, revision, words.tag)
 
 
-async def drawn_as_report(
+async def report_page(
     visit: Visit, kind: ReportKind, number: int, *, whole: bool, cover: bool = True
 ) -> "Markup | None":
     """Return what a report of a result says, for its page; it is no revision. None while it is drawn."""

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
-from truepose.analysis.comparison import compare_over_time, dated
+from truepose.analysis.comparison import compare_over_time, dated_diagnoses
 from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
 from truepose.diagnosis.alarms import alarms
 from truepose.diagnosis.history import CauseOverTime
@@ -101,7 +101,7 @@ async def _content(
         two = None if pair is None else await _two(visit.here, pair)
     except TrueposeError as error:
         why = str(error)
-    found = alarms(causes, dated(records))
+    found = alarms(causes, dated_diagnoses(records))
     report = HistoryReport(
         records[0].diagnosis.robot, measurements, causes, found, two, language=visit.words.tag
     )

@@ -122,15 +122,15 @@ def _what(entry: LedgerEntry) -> Message | None:
     match entry.kind:
         case EntryKind.SKIPPED:
             key = "event.not_measured" if entry.key is None else "event.left_out"
-            return message(key, what=told_step(entry.step_id), reason=entry.text)
+            return message(key, what=step_text(entry.step_id), reason=entry.text)
         case EntryKind.REOPENED if entry.key is not None:
-            return message("event.again", what=told_step(entry.step_id), reason=entry.text)
+            return message("event.again", what=step_text(entry.step_id), reason=entry.text)
         case EntryKind.ANSWERED:
-            return message("event.doubt.again", what=told_step(entry.step_id))
+            return message("event.doubt.again", what=step_text(entry.step_id))
         case EntryKind.MEASURED if entry.suspicion is not None:
-            return message("event.doubt.kept", what=told_step(entry.step_id))
+            return message("event.doubt.kept", what=step_text(entry.step_id))
         case EntryKind.CONFIRMED if entry.text:
-            return message("event.word", what=told_step(entry.step_id), reason=entry.text)
+            return message("event.word", what=step_text(entry.step_id), reason=entry.text)
         case EntryKind.CONTROL:
             return _control(entry)
     return None
@@ -145,7 +145,7 @@ def _control(entry: LedgerEntry) -> Message | None:
     return message("event.zero_lost") if entry.control is Control.ZERO_LOST else None
 
 
-def told_step(step_id: str) -> Text:
+def step_text(step_id: str) -> Text:
     """Return what a step is of: a configuration, a pair of cups, or the step by its own name."""
     config = config_of(step_id)
     if config is not None:

@@ -124,7 +124,7 @@ async def models_of(here: Context, robot: str, count: int = _MOST_SHOWN) -> list
     return await here.results.newest_models(count, robot)
 
 
-async def made_on(here: Context, model: ModelRecord) -> str:
+async def robot_of_model(here: Context, model: ModelRecord) -> str:
     """Return the serial number of the robot that a model was made from; empty where nobody said."""
     campaign_id = await _campaign_id(here, model)
     numbers = () if campaign_id is None else (await here.campaigns.get(campaign_id)).session_ids

@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse
 
 from truepose.effects.registry import EFFECTS
 from truepose.messages.catalogue import Catalogue
-from truepose.messages.error_codes import explained
+from truepose.messages.error_codes import explain
 from truepose.storage.plant.deployments import HandedDownRepository
 from truepose.storage.records import JobKind, JobRecord
 from truepose.storage.results.items import WorkKind
@@ -97,6 +97,6 @@ def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
         look=look,
         state=state,
         made=None if record.result_id is None else address_of(made, record.result_id),
-        told=None if record.code is None else explained(record.code, visit.words),
+        told=None if record.code is None else explain(record.code, visit.words),
         sources=[(address_of(kind, n), title_of(kind, n, visit.words)) for kind, n in asked if n],
     )

@@ -34,7 +34,7 @@ def draw_fleet(asked: FleetDrawing) -> bytes:
     """
     from datetime import date
 
-    from truepose.analysis.fleets.campaigns import Entry, told_from
+    from truepose.analysis.fleets.campaigns import Entry, summary_from
     from truepose.analysis.fleets.comparison import LeftOut, fleet_found, foretold
     from truepose.exchange.tables.files import Stated
     from truepose.messages.catalogue import catalogue
@@ -49,7 +49,7 @@ def draw_fleet(asked: FleetDrawing) -> bytes:
             continue
         day = date.fromisoformat(seen.measured_on)
         stated = Stated(seen.robot_serial_number, seen.instrument_serial_number, day)
-        entries.append(Entry(name, stated, told_from(one.told)))
+        entries.append(Entry(name, stated, summary_from(one.told)))
     found = fleet_found(entries, left_out, asked.robot)
     without = tuple((one.campaign, one.why) for one in found.left_out)
     report = FleetReport(found.account, asked.robot, asked.limit_mm, without, language=asked.tag)

@@ -15,9 +15,9 @@ from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.contacts import (
     ball_on_gauge_mm,
+    ball_position_mm,
     probe_on_plane_mm,
     probe_on_sphere_mm,
-    seen_mm,
     wire_mm,
 )
 from truepose_simulators.physics.rigid import FloatArray, small_motion
@@ -90,7 +90,7 @@ class GaugeSample:
     temperature_c: float = math.nan  # none has a thermometer
 
 
-def bolted(setup: LoopSetup, rng: np.random.Generator) -> tuple[TrueTarget, ...]:
+def bolt_targets(setup: LoopSetup, rng: np.random.Generator) -> tuple[TrueTarget, ...]:
     """Draw where the targets truly stand: together elsewhere, and each a little off its paper."""
     n = len(setup.kinds)
     asked = np.array(setup.places_mm, dtype=np.float64)
@@ -148,14 +148,14 @@ class LoopGauge:
                 return ball_on_gauge_mm(tool.nest_mm, target.place_mm, target.normal, _FACE_MM)
             case "wire":
                 return wire_mm(tool.nest_mm, target.place_mm, target.zero_mm)
-        return seen_mm(tool.nest_mm, tool.rotation, target.place_mm, self.axis)
+        return ball_position_mm(tool.nest_mm, tool.rotation, target.place_mm, self.axis)
 
 
 def loop_gauges(
     setup: LoopSetup, tool: Callable[[], Tool], rng: np.random.Generator, *, noise: bool
 ) -> tuple[LoopGauge, ...]:
     """Return the gauges of a cell, in the order in which a session reads them."""
-    targets, of_noise = bolted(setup, rng), rng if noise else None
+    targets, of_noise = bolt_targets(setup, rng), rng if noise else None
     if setup.reader == "probe":
         return (LoopGauge(setup, targets, tool, of_noise),)
     if setup.reader == "sensor":

@@ -30,7 +30,7 @@ from truepose_simulators.instruments.leica_emscon.results import (
     total,
 )
 from truepose_simulators.instruments.leica_emscon.settings import ServerSettings, Steps
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.rigid import FloatArray, register, rotation, to_quaternion
 
 _OF_THE_PROBE = 0x6D  # its own chances: those of the other instruments stay as they are
@@ -66,7 +66,9 @@ class Probe:
         now_s = self._cell.clock.now_s
         if self._cell.faults.holds(TrackerBlinded, now_s):
             raise BeamBrokenError("the probe no longer returns the beam")
-        return register(self._frame_mm, seen_from(self._cell.tracker.frame, self._cell.nests_at_mm(now_s)))
+        return register(
+            self._frame_mm, in_tracker_frame(self._cell.tracker.frame, self._cell.nests_at_mm(now_s))
+        )
 
     def measure(self) -> PoseMeasured:
         """Measure the probe as it is now; raises BeamBrokenError."""

@@ -22,7 +22,7 @@ from truepose_simulators.physics.rigid import (
 _WRIST_TURNS = np.array([-1.0, -1.0, -1.0])
 
 
-def shown_deg(joints_rad: FloatArray) -> FloatArray:
+def displayed_deg(joints_rad: FloatArray) -> FloatArray:
     """Return the joints as the pendant shows them, (6,) [deg]."""
     leaning_rad, bent_rad = joints_rad[1], joints_rad[2]
     pitch_of_forearm_rad = leaning_rad + bent_rad  # about the axis to the left: down is positive

@@ -44,11 +44,11 @@ from truepose_simulators.instruments.robot.clients import (
 )
 from truepose_simulators.instruments.robot.kinematics import (
     UnreachableError,
+    displayed_deg,
     flange_angles_deg,
     joints_rad,
     reach,
     rotation_of,
-    shown_deg,
     straight_line,
     world,
 )
@@ -123,7 +123,7 @@ class MappdkProgram:
     def _told(self, request: Request) -> Reply:
         match request.name:
             case Command.JOINTS:
-                return encode_joints(shown_deg(self.joints()).tolist(), _DECIMALS[self._server])
+                return encode_joints(displayed_deg(self.joints()).tolist(), _DECIMALS[self._server])
             case Command.POSE:
                 return self._pose()
             case Command.POWER:

@@ -10,7 +10,7 @@ from truepose_simulators.physics.effects.rigid_change import (
     SlowMotion,
     courses,
     drift_per_s,
-    seen_in_world,
+    motion_in_world,
 )
 from truepose_simulators.physics.rigid import FloatArray
 
@@ -46,7 +46,7 @@ class DriftedBase:
         """Return how far the base has come."""
         del loads
         come = np.sum([course.come(conditions.time_s) for course in self.courses], axis=0)
-        return effect.Deflection.of_body(conditions, 0, seen_in_world(self.base, come))
+        return effect.Deflection.of_body(conditions, 0, motion_in_world(self.base, come))
 
 
 def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[DriftedBase, ...]:

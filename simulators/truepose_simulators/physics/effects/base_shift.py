@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose_simulators.physics.effects import effect
-from truepose_simulators.physics.effects.rigid_change import jump, seen_in_world
+from truepose_simulators.physics.effects.rigid_change import jump, motion_in_world
 from truepose_simulators.physics.rigid import FloatArray
 
 
@@ -37,6 +37,6 @@ def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[Shi
     """
     jumps = stated.motions(r"jump_(-?[0-9.e+-]+)", "jump_<time>")
     return tuple(
-        ShiftedBase(seen_in_world(site.base, motion), float(time_s) - site.origin_s)
+        ShiftedBase(motion_in_world(site.base, motion), float(time_s) - site.origin_s)
         for time_s, motion in jumps.items()
     )

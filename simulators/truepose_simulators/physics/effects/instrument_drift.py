@@ -10,7 +10,7 @@ import numpy as np
 
 from truepose_simulators.physics.effects import effect
 from truepose_simulators.physics.effects.rigid_change import SHAPES, SlowMotion, courses, drift_per_s
-from truepose_simulators.physics.rigid import FloatArray, inverse, placed, to_six
+from truepose_simulators.physics.rigid import FloatArray, inverse, pose_matrix, to_six
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class DriftedInstrument:
     def frame_motion(self, time_s: FloatArray) -> FloatArray:
         """Return how far the frame has come, shape (n, 6)."""
         come = np.sum([course.come(time_s) for course in self.courses], axis=0)
-        return to_six(inverse(placed(come[..., :3], come[..., 3:])))
+        return to_six(inverse(pose_matrix(come[..., :3], come[..., 3:])))
 
 
 def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[DriftedInstrument, ...]:

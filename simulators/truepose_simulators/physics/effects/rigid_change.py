@@ -11,7 +11,7 @@ import numpy as np
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import effect
-from truepose_simulators.physics.rigid import FloatArray, inverse, placed, to_six
+from truepose_simulators.physics.rigid import FloatArray, inverse, pose_matrix, to_six
 
 _LARGEST_ROTATION_RAD = 0.1
 
@@ -90,7 +90,7 @@ def _check_vector(key: str, value: Vector | None) -> None:
         raise ScenarioError(f'key "{key}" must be a vector that points somewhere, not {list(value)}')
 
 
-def seen_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
+def motion_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
     """Motions of a body, stated in its own frame as Trans RotX RotY RotZ, in the world about its origin.
 
     Parameters
@@ -105,7 +105,7 @@ def seen_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
     ndarray, shape (..., 6)
         `[tx ty tz rx ry rz]` [mm, rad] with a rotation vector, as `rigid.small_motion` takes it.
     """
-    return to_six(frame @ placed(own[..., :3], own[..., 3:]) @ inverse(frame))
+    return to_six(frame @ pose_matrix(own[..., :3], own[..., 3:]) @ inverse(frame))
 
 
 SHAPES = r"(linear|exp[0-9.e+]+)"

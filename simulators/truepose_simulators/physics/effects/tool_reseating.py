@@ -7,7 +7,7 @@ import numpy as np
 
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.effects import effect
-from truepose_simulators.physics.effects.rigid_change import seen_in_world
+from truepose_simulators.physics.effects.rigid_change import motion_in_world
 from truepose_simulators.physics.rigid import FloatArray
 
 _TOOL = -1
@@ -74,4 +74,4 @@ def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[Sea
     """Build the identified seats, `seat_<mounting>_x`..`_rz` [mm, rad, last frame]."""
     del site
     seats = stated.motions("seat_([0-9]+)", "seat_<mounting>")
-    return (SeatedTool({int(number): seen_in_world(np.eye(4), seat) for number, seat in seats.items()}),)
+    return (SeatedTool({int(number): motion_in_world(np.eye(4), seat) for number, seat in seats.items()}),)

@@ -8,7 +8,7 @@ from truepose.domain.people import Role
 from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.database import Database
 from truepose.storage.engine.raw_connection import plain
-from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.errors import ConflictError
 from truepose.storage.integrity.verification import verify, verify_at
 from truepose.storage.people import CredentialKind, CredentialRepository, NewCredential
@@ -35,7 +35,7 @@ async def left(url):
 
 
 def hashes(url):
-    with closing(opened_at(url)) as connection:
+    with closing(open_reader(url)) as connection:
         rows = connection.execute("SELECT hash FROM credentials ORDER BY id").fetchall()
     return [row[0] if isinstance(row[0], str) else bytes(row[0]).decode() for row in rows]
 

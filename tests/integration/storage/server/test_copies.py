@@ -17,7 +17,7 @@ from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.backup.transfer import transfer
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
-from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError, ServerAwayError
 from truepose.storage.integrity.verification import verify_left, verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
@@ -65,7 +65,7 @@ async def file(tmp_path):
 
 def everything(url):
     """Return every value of every table as it is kept, with its kind."""
-    with closing(opened_at(url)) as connection:
+    with closing(open_reader(url)) as connection:
         found = {}
         for table in metadata.tables:
             columns = ", ".join(f'"{column.name}"' for column in metadata.tables[table].columns)

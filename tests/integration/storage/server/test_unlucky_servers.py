@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.database import Database
-from truepose.storage.engine.postgresql_connections import translated
+from truepose.storage.engine.postgresql_connections import translate_error
 from truepose.storage.engine.postgresql_server import require_fit
 from truepose.storage.errors import ServerAwayError, ServerRefusedError
 from truepose.storage.integrity.verification import verify_left_at
@@ -168,7 +168,7 @@ def test_a_server_that_is_too_old_is_refused():
     ],
 )
 def test_who_is_not_let_in_is_told_what_to_do(said, kind, to_do):
-    found = translated("db", psycopg.OperationalError(f"connection failed: {said}"))
+    found = translate_error("db", psycopg.OperationalError(f"connection failed: {said}"))
 
     assert type(found) is kind
     assert said in str(found)

@@ -12,7 +12,7 @@ from truepose.cli.register import administration
 from truepose.domain.people import MACHINE, Role
 from truepose.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
-from truepose.storage.secret_files import ReachedService, service_of, told_beside
+from truepose.storage.secret_files import ReachedService, publish_endpoint, service_of
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def served(settings, bench):
         httpx.get(f"{url}/health")
         here = app.state.context
         told = ReachedService(url, here.people.accounts.machine_secret)
-        with told_beside(here.database.file, told):
+        with publish_endpoint(here.database.file, told):
             yield url, here
 
 
@@ -98,7 +98,7 @@ def test_a_service_that_does_not_answer_is_one_sentence(served, settings):
     told = ReachedService("http://127.0.0.1:9", "secret")
 
     with (
-        told_beside(here.database.file, told),
+        publish_endpoint(here.database.file, told),
         pytest.raises(StorageUnavailableError, match="does not answer"),
         administration(settings.database_url) as machine,
     ):
@@ -111,7 +111,7 @@ def test_what_opens_a_service_is_its_owners_alone_and_goes_with_it(tmp_path):
     (tmp_path / "truepose.sqlite3.machine").write_text("of a service that was killed")
     assert service_of(database) is None
 
-    with told_beside(database, told):
+    with publish_endpoint(database, told):
         (file,) = tmp_path.iterdir()
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
         assert service_of(database) == told

@@ -19,7 +19,7 @@ from truepose.storage.people import (
     NewCredential,
     PersonsAct,
 )
-from truepose.storage.plant.outbox import AT_HOME, LEAVING, untyped
+from truepose.storage.plant.outbox import AT_HOME, LEAVING, from_typed_json
 from truepose.storage.records import RequestKey
 from truepose.storage.tables import metadata
 from truepose.web.api import chain
@@ -42,7 +42,7 @@ def refuted(links, heads=None):
     for link in links:
         before, heads[link["stream"]] = heads.get(link["stream"], GENESIS), bytes.fromhex(link["hash"])
         if "row" in link:
-            row = untyped(link["row"])
+            row = from_typed_json(link["row"])
             if linked_hash(before, link["record"], tuple(row), tuple(row.values())).hex() != link["hash"]:
                 wrong.append(link["link"])
     return wrong

@@ -1,7 +1,7 @@
 """How exact a closed loop at two spheres makes an arm."""
 
 from tests.integration.contacts.test_closed_loops import LR_MATE, run, wish
-from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
 from truepose.domain.contacts import TargetDistance
 from truepose.identification.identify import identify
 from truepose.planning.contacts.plan import plan_of
@@ -17,8 +17,8 @@ async def test_two_spheres_make_the_arm_better_where_nothing_of_it_was_read():
     _, read = await run("lrmate-two-spheres", plan)
     _, held_out = await run("lrmate-two-spheres", judging)
 
-    campaign = contact_campaign("session 1", SessionSetup(LR_MATE), plan, taken_of(read.entries))
-    judged = judged_by_contacts(campaign, (plan, judging), "session 2", taken_of(held_out.entries))
+    campaign = contact_campaign("session 1", SessionSetup(LR_MATE), plan, readings_of(read.entries))
+    judged = judged_by_contacts(campaign, (plan, judging), "session 2", readings_of(held_out.entries))
     found = identify(judged).validation
 
     assert found.nominal.mean_mm > 0.08

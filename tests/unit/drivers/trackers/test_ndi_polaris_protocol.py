@@ -33,7 +33,7 @@ from truepose_drivers.ndi_polaris.protocol import (
     encode_text,
     error_code,
     facts,
-    identified,
+    identity_of,
     page_writes,
 )
 
@@ -231,9 +231,9 @@ def test_errors_are_told_by_number():
 def test_a_camera_is_known_by_its_own_words():
     version = facts(Text(VERSION))
 
-    who = identified(version, {})
+    who = identity_of(version, {})
     assert (who.model, who.serial, who.firmware) == ("Polaris Vega", "P9-00123", "002.001")
     told = facts(Text("Features.Hardware.Model=Polaris Vega VT\nFeatures.Hardware.Serial Number=P9-7: x\n"))
-    who = identified(version, told)
+    who = identity_of(version, told)
     assert (who.model, who.serial) == ("Polaris Vega VT", "P9-7: x")
-    assert identified({}, {}).serial == ""
+    assert identity_of({}, {}).serial == ""

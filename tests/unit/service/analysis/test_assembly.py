@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
-from truepose.analysis.campaigns.tracker import MeasuredSession, assemble_campaign, judged_by, point_readings
+from truepose.analysis.campaigns.tracker import (
+    MeasuredSession,
+    assemble_campaign,
+    point_readings,
+    with_validation_points,
+)
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import Campaign
 from truepose.domain.cell import Camera, Conditions, DeviceEntry, SimulatedCell
@@ -100,7 +105,7 @@ def test_points_of_a_tracker_session_judge_a_campaign_of_legs_and_identify_nothi
     calibration, tracker = measured(3, points=()), measured(5, fixed_nests=(make_fixed_nest(),))
     legs = Campaign(make_setup().cell.robot, FramePlacement(), make_setup().cell.nests, notes=("legs",))
 
-    campaign = judged_by(legs, calibration, tracker)
+    campaign = with_validation_points(legs, calibration, tracker)
 
     assert campaign.calibration is None
     assert len(campaign.validation) == 2
@@ -112,7 +117,7 @@ def test_a_tracker_session_of_another_robot_judges_nothing():
     legs = Campaign(make_setup().cell.robot, FramePlacement(), make_setup().cell.nests)
 
     with pytest.raises(SessionsDifferError, match="robot"):
-        judged_by(legs, measured(3, points=()), other)
+        with_validation_points(legs, measured(3, points=()), other)
 
 
 def of_tracker(serial, *configs):

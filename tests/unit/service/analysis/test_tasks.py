@@ -18,7 +18,7 @@ from truepose.planning.workspace.space import (
     nominal_chain,
     space_of_cell,
 )
-from truepose.sessions.tracker.service import judged
+from truepose.sessions.tracker.service import path_warnings_of_plan
 from truepose.storage.records import SessionSetup
 
 
@@ -143,4 +143,4 @@ def test_the_other_tests_of_iso_9283_take_the_same_poses(of_no_stated_cube, test
     assert {stop.nest for stop in plan.stops} == {stop.nest for stop in five}
     assert (len(plan.stops), plan.settle_s, plan.approach_offset_rad) == (stops, 7.0, None)
     assert plan.ends_when_settled is ends_when_settled
-    assert judged(cell, plan) == ""
+    assert path_warnings_of_plan(cell, plan) == ""

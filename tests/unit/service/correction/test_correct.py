@@ -21,7 +21,7 @@ from truepose.correction import (
     Goals,
     correct,
     flange_in_base,
-    meant_by_joints,
+    goals_of_joints,
     of_poses,
     tool_nests_mm,
 )
@@ -305,7 +305,7 @@ def test_a_model_without_nests_is_corrected_at_its_flange():
 def test_a_model_without_nests_has_a_base_and_places_no_nest():
     nestless = nestless_model()
     stops = Stops(np.arange(3), configurations(3))
-    goals = meant_by_joints(nestless, stops)
+    goals = goals_of_joints(nestless, stops)
 
     assert tool_nests_mm(nestless).shape == (0, 3)
     assert flange_in_base(nestless, goals)[:, :3, 3] == pytest.approx(

@@ -5,7 +5,7 @@ import json
 import httpx
 import pytest
 
-from truepose.demo.client import ServiceClient, connected
+from truepose.demo.client import ServiceClient, open_client
 from truepose.demo.errors import JobFailedError, RequestRefusedError, ServiceFailedError, SessionHaltedError
 
 
@@ -91,5 +91,5 @@ async def test_a_refused_request_is_an_error_with_the_services_sentence():
 
 async def test_a_service_that_is_gone_is_said_with_its_address():
     with pytest.raises(ServiceFailedError, match=r"127\.0\.0\.1:9"):  # the discard port: nobody listens
-        async with connected("http://127.0.0.1:9") as client:
+        async with open_client("http://127.0.0.1:9") as client:
             await client.get("/cells")

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, planted
 from tests.helpers.identification.synthetic import shifted
-from truepose.diagnosis.baseline_fit import NUISANCE, Start, started
+from truepose.diagnosis.baseline_fit import NUISANCE, Start, fit_baseline
 from truepose.diagnosis.diagnose import diagnose
 from truepose.messages.catalogue import english
 from truepose.messages.message import leading_key
@@ -30,7 +30,7 @@ def campaign():
 
 
 def test_swapped_labels_are_put_right_and_kept_as_they_were_written(campaign):
-    start = started(with_two_nests_confused(campaign), START, relabel=True)
+    start = fit_baseline(with_two_nests_confused(campaign), START, relabel=True)
 
     assert np.array_equal(start.campaign.calibration.nest, campaign.calibration.nest)
     assert start.written.calibration.nest[SWAPPED].tolist() == [3, 3]
@@ -38,7 +38,7 @@ def test_swapped_labels_are_put_right_and_kept_as_they_were_written(campaign):
 
 
 def test_where_labels_are_not_looked_at_they_stay_and_their_readings_are_gross(campaign):
-    start = started(with_two_nests_confused(campaign), START, relabel=False)
+    start = fit_baseline(with_two_nests_confused(campaign), START, relabel=False)
 
     assert start.campaign.calibration.nest[SWAPPED].tolist() == [3, 3]
     assert np.flatnonzero(start.fit.gross[0]).tolist() == SWAPPED
@@ -48,13 +48,13 @@ def test_labels_of_validation_readings_are_put_right_too(campaign):
     confused = with_two_nests_confused(campaign)
     both = replace(confused, validation=confused.calibration)
 
-    start = started(both, START, relabel=True)
+    start = fit_baseline(both, START, relabel=True)
 
     assert np.array_equal(start.campaign.validation.nest, campaign.calibration.nest)
 
 
 def test_right_labels_leave_the_campaign_as_it_is(campaign):
-    start = started(campaign, START, relabel=True)
+    start = fit_baseline(campaign, START, relabel=True)
 
     assert isinstance(start, Start)
     assert start.campaign is campaign
@@ -62,7 +62,7 @@ def test_right_labels_leave_the_campaign_as_it_is(campaign):
 
 
 def test_certified_and_fixed_nests_may_move_while_a_diagnosis_runs(campaign):
-    structure = started(campaign, START, relabel=False).fit.structure
+    structure = fit_baseline(campaign, START, relabel=False).fit.structure
 
     assert set(NUISANCE) <= set(structure.effects)
     certified = [spec for spec in structure.specs if spec.name.startswith("certified_")]
@@ -71,11 +71,11 @@ def test_certified_and_fixed_nests_may_move_while_a_diagnosis_runs(campaign):
 
 
 def test_without_a_choice_the_usual_model_is_the_start(campaign):
-    assert started(campaign, None, relabel=False).effects == ("base", "geometry", "compliance")
+    assert fit_baseline(campaign, None, relabel=False).effects == ("base", "geometry", "compliance")
 
 
 def test_too_few_configurations_are_said_in_a_sentence():
-    sentence = started(planted({}, campaign=telling_campaign(5)), START, relabel=True)
+    sentence = fit_baseline(planted({}, campaign=telling_campaign(5)), START, relabel=True)
 
     assert leading_key(sentence) == "status.too_few"
     assert "5" in english(sentence)
@@ -89,7 +89,7 @@ def with_wild(campaign, rows):
 def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
     of_nest_2 = np.flatnonzero(campaign.calibration.nest == 2)
 
-    doubt = english(started(with_wild(campaign, of_nest_2), START, relabel=True).doubt)
+    doubt = english(fit_baseline(with_wild(campaign, of_nest_2), START, relabel=True).doubt)
 
     assert "no model can be trusted" in doubt
     assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in doubt
@@ -98,7 +98,7 @@ def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
 def test_too_many_wild_readings_anywhere_share_nothing(campaign):
     anywhere = np.random.default_rng(5).choice(80, 26, replace=False)
 
-    doubt = started(with_wild(campaign, anywhere), START, relabel=True).doubt
+    doubt = fit_baseline(with_wild(campaign, anywhere), START, relabel=True).doubt
 
     assert english(doubt).endswith("the order of the rows first.")
 
@@ -114,7 +114,7 @@ def jumped_far(after, readings=130):
 def test_readings_that_jumped_together_are_no_wild_ones():
     campaign = jumped_far(after=90)
 
-    start = started(campaign, PRESENT, relabel=False)
+    start = fit_baseline(campaign, PRESENT, relabel=False)
 
     assert isinstance(start, Start)
     assert english(start.doubt).startswith("40 of 130 readings do not fit the others")

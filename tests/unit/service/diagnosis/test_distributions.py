@@ -6,7 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from truepose.diagnosis.distributions import chi2_log_density, f_exceeded, normal_exceeded, so_many_drawn
+from truepose.diagnosis.distributions import (
+    chi2_log_density,
+    f_exceeded,
+    hypergeometric_tail,
+    normal_exceeded,
+)
 
 DEGREES = st.floats(0.5, 3000.0)
 
@@ -34,11 +39,13 @@ def test_so_many_drawn_are_those_of_the_library(data):
 
     of_library = stats.hypergeom.sf(reached - 1, total, marked, drawn)
 
-    assert so_many_drawn(reached, drawn, marked, total) == pytest.approx(of_library, rel=1e-8, abs=1e-300)
+    assert hypergeometric_tail(reached, drawn, marked, total) == pytest.approx(
+        of_library, rel=1e-8, abs=1e-300
+    )
 
 
 def test_more_than_are_marked_are_never_drawn():
-    assert so_many_drawn(3, 5, 2, 10) == 0.0
+    assert hypergeometric_tail(3, 5, 2, 10) == 0.0
 
 
 def test_arrays_go_together():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.domain.singular_covariance import inverse, solved, whitening_root
+from truepose.domain.singular_covariance import inverse, solve_singular, whitening_root
 
 RNG = np.random.default_rng(4)
 SIZES = np.array([1e-8, 1.0, 300.0, 1e3])  # parameters in rad per N mm beside others in mm
@@ -24,7 +24,7 @@ def singular():
 def test_a_definite_covariance_is_solved_and_inverted_as_ever():
     covariance, right = definite(), RNG.standard_normal(4)
 
-    assert np.array_equal(solved(covariance, right), np.linalg.solve(covariance, right))
+    assert np.array_equal(solve_singular(covariance, right), np.linalg.solve(covariance, right))
     assert np.array_equal(inverse(covariance), np.linalg.inv(covariance))
 
 
@@ -32,7 +32,7 @@ def test_parameters_that_are_one_are_solved_as_that_one():
     covariance, three, twice = singular()
     right = twice @ np.array([0.3, -2.0, 5.0])
 
-    found = solved(covariance, right)
+    found = solve_singular(covariance, right)
 
     assert covariance @ found == pytest.approx(right, rel=1e-9)
     assert right @ found == pytest.approx(right[1:] @ np.linalg.solve(three, right[1:]), rel=1e-9)
@@ -42,9 +42,9 @@ def test_parameters_that_are_one_are_solved_as_that_one():
 def test_what_does_not_vary_is_no_direction():
     covariance = np.diag([4.0, 0.0])
 
-    assert solved(covariance, np.array([8.0, 3.0])) == pytest.approx([2.0, 0.0])
-    assert solved(np.zeros((2, 2)), np.array([1.0, 1.0])) == pytest.approx([0.0, 0.0])
-    assert solved(np.zeros((0, 0)), np.zeros(0)).shape == (0,)
+    assert solve_singular(covariance, np.array([8.0, 3.0])) == pytest.approx([2.0, 0.0])
+    assert solve_singular(np.zeros((2, 2)), np.array([1.0, 1.0])) == pytest.approx([0.0, 0.0])
+    assert solve_singular(np.zeros((0, 0)), np.zeros(0)).shape == (0,)
 
 
 def test_a_definite_covariance_is_whitened_by_its_cholesky_factor():

@@ -26,7 +26,7 @@ from truepose.effects.ports import (
     Summed,
     Trait,
 )
-from truepose.effects.registry import EFFECTS, goes_on
+from truepose.effects.registry import EFFECTS, is_unbounded_in_time
 from truepose.effects.unclassified.cause import OWN
 from truepose.effects.unclassified.kinds import once
 from truepose.identification.model.evaluation import evaluate, rows_of
@@ -204,7 +204,7 @@ def test_an_ability_that_fails_is_refused_with_the_name_of_what_is_installed(bro
         def goes_on(self, *told):
             raise ValueError("three is no joint")
 
-        automatic = left_open = sums = unmodelled = softness = goes_on
+        automatic = left_open = sums = unmodelled = softness = is_unbounded_in_time
 
     guarded = brought(acme=Broken()).effects["acme"]
     told = {"goes_on": 1, "automatic": 1, "left_open": 2, "sums": 3, "unmodelled": 2, "softness": 4}[ask]
@@ -216,8 +216,8 @@ def test_an_ability_that_fails_is_refused_with_the_name_of_what_is_installed(bro
 def test_a_made_model_holds_a_brought_cause_that_drifts(brought, monkeypatch):
     monkeypatch.setitem(EFFECTS, "acme", brought(acme=Able()).effects["acme"])
 
-    assert goes_on("acme", ("acme_1",))
-    assert not goes_on("acme", ("acme_2",))
+    assert is_unbounded_in_time("acme", ("acme_1",))
+    assert not is_unbounded_in_time("acme", ("acme_2",))
 
 
 def test_what_is_brought_does_what_it_does_at_home(brought):

@@ -7,7 +7,7 @@ import pytest
 
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import EffectWithTraits, Trait
-from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
+from truepose.effects.registry import EFFECTS, automatic_in, effects_with, undetermined_by_construction
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
 from truepose.identification.problem.problem_setup import outline, setting_of
@@ -53,7 +53,7 @@ def test_what_an_effect_leaves_open_by_construction_it_says_itself(example_campa
     setting = setting_of(example_campaign, example_campaign.calibration.stops)
     names = ("base_z", "alpha_2", "c_2", "c_3", "c_5")
 
-    said = left_open_by(("compliance", "base", "geometry"), names, setting)
+    said = undetermined_by_construction(("compliance", "base", "geometry"), names, setting)
 
     assert [entry.parameters for entry in said] == [
         ("d_1", "theta_1", "base_z", "base_rz"),
@@ -80,8 +80,8 @@ def test_an_effect_with_all_its_parameters_leaves_nothing_open(example_campaign)
     setting = setting_of(example_campaign, example_campaign.calibration.stops)
     springs = tuple(f"c_{joint}" for joint in range(1, 7))
 
-    assert left_open_by(("joint_offset", "compliance"), ("theta_2", *springs), setting) == ()
-    assert left_open_by(("backlash",), ("gap_2",), setting) == ()
+    assert undetermined_by_construction(("joint_offset", "compliance"), ("theta_2", *springs), setting) == ()
+    assert undetermined_by_construction(("backlash",), ("gap_2",), setting) == ()
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,9 @@ from tests.helpers.fleet.linear import drawn
 from truepose.analysis.fleets.comparison import foretold
 from truepose.domain.errors import ConfigurationError
 from truepose.fleet.changes import account_of
-from truepose.fleet.interim_check import asked_of
+from truepose.fleet.interim_check import checked_causes
 from truepose.fleet.outlying_campaigns import OutlyingCampaign
-from truepose.fleet.sentences import compared, headline, next_said, told_of
+from truepose.fleet.sentences import change_sentences, comparison_sentence, headline, next_said
 from truepose.fleet.trend import along, due, passing
 from truepose.messages.catalogue import LANGUAGES, catalogue, english
 from truepose.messages.message import leading_key
@@ -93,7 +93,7 @@ def test_a_change_at_once_has_no_forecast_and_is_due_by_its_size():
     assert (small.robot, small.why, small.passing) == ("robot 1", "changed", None)
     assert (large.robot, large.why, large.passing) == ("robot 1", "passes", None)
     assert "goes on" not in english(next_said(small, 2.0 * size))
-    keys = [leading_key(one) for one in told_of(found, found.named[0], None)]
+    keys = [leading_key(one) for one in change_sentences(found, found.named[0], None)]
     assert "fleet.no_forecast" in keys
 
 
@@ -123,7 +123,7 @@ def test_a_robot_whose_newest_campaign_was_left_out_is_measured_again(steady):
 def test_what_all_robots_show_on_one_day_sends_to_what_they_had_in_common():
     found = account(27, lambda i, k, month: 1.0 * (month == 2) * _GAP, months=5)
 
-    told = [english(one) for one in told_of(found, found.named[0], None)]
+    told = [english(one) for one in change_sentences(found, found.named[0], None)]
 
     assert any("look what all campaigns of that day had in common" in one for one in told)
     assert {one.why for one in due(found, 1e-9)} == {"longest_ago"}
@@ -133,7 +133,7 @@ def test_a_tracker_that_drifts_sends_nobody_to_a_robot(drifting):
     named = drifting.named[0]
 
     assert {one.why for one in due(drifting, 1e-9)} == {"longest_ago"}
-    told = [english(one) for one in told_of(drifting, named, passing(drifting.fleet, named, 1.0))]
+    told = [english(one) for one in change_sentences(drifting, named, passing(drifting.fleet, named, 1.0))]
     assert any(one.startswith("Have tracker 1 checked against a certified length") for one in told)
 
 
@@ -163,7 +163,7 @@ def test_a_course_of_the_type_runs_along_its_line():
 def test_everything_is_said_in_every_language(ageing, language):
     words, named = catalogue(language), ageing.named[0]
     passes = passing(ageing.fleet, named, 0.1)
-    sentences = [compared(ageing), headline(ageing), *told_of(ageing, named, passes)]
+    sentences = [comparison_sentence(ageing), headline(ageing), *change_sentences(ageing, named, passes)]
     sentences += [next_said(one, 0.1) for one in due(ageing, 0.1)]
 
     said = [words.spoken(one) for one in sentences]
@@ -177,4 +177,4 @@ def test_a_check_of_a_fleet_in_which_nothing_ages_is_refused(steady):
     aged = replace(steady.fleet, owners=("geometry",) * len(steady.fleet.owners))
 
     with pytest.raises(ConfigurationError, match="neither a spring nor a line of a gear"):
-        asked_of(replace(steady, fleet=aged, named=()))
+        checked_causes(replace(steady, fleet=aged, named=()))

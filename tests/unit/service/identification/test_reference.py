@@ -16,7 +16,7 @@ from tests.helpers.diagnosis.point_scenes import (
 from truepose.domain.robot import FixedNest
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify
-from truepose.identification.fit.assessment import considered
+from truepose.identification.fit.assessment import propagate_certificates
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixed_nests import ReferenceBlock, reference_block
@@ -227,7 +227,7 @@ def test_what_certificates_add_to_the_arm_is_the_same_with_fixed_nests_among_the
     _, together = fitted(campaign, ARM, with_reference=True)
     arm = len(alone.values)
 
-    plain, with_nests = considered(campaign, alone), considered(campaign, together)
+    plain, with_nests = propagate_certificates(campaign, alone), propagate_certificates(campaign, together)
 
     own = np.s_[:arm, :arm]
     scale = np.sqrt(np.outer(np.diag(plain.total), np.diag(plain.total)))

@@ -18,7 +18,7 @@ from truepose.exchange.tables.points import in_files
 from truepose.identification import identify
 from truepose.messages.catalogue import catalogue
 from truepose.messages.message import message
-from truepose.reports.identification.headline import judged_on
+from truepose.reports.identification.headline import basis_of
 from truepose.reports.identification.judged_figures import figures_table
 from truepose.reports.identification.report import IdentificationReport
 from truepose.reports.identification.summary import TrueParameter, Truth, identification_summary, truth_table
@@ -162,7 +162,7 @@ def test_figures_stand_on_one_reading_or_on_several_in_every_language():
         identification = make_identification(quantity=quantity, **blocks)
         statistics = replace(make_pair().nominal, n=n)
 
-        told = FRENCH.spoken(judged_on(identification, statistics))
+        told = FRENCH.spoken(basis_of(identification, statistics))
 
         assert told.startswith(f"{n} {'position' if quantity == 'position' else 'longueur'}{'s' * (n > 1)}")
         assert english_in(told) == []

@@ -9,7 +9,14 @@ import pytest
 from tests.helpers.words.translations import every_text, texts
 from truepose.messages.catalogue import ENGLISH, LANGUAGES, catalogue
 from truepose.messages.units import KEPT, KNOWN, Conversion, ConvertibleNumber, Format, Units
-from truepose.reports.rounding import exact, fixed, interval, millimetres, rounded, with_uncertainty
+from truepose.reports.rounding import (
+    exact,
+    format_fixed,
+    format_rounded,
+    interval,
+    millimetres,
+    with_uncertainty,
+)
 
 INCH = Units.of(["inch", "rad", "f"])
 NAMED = re.compile(r"(?:^|_)(?<!_per_)(mm_per_h|deg_per_h|deg_per_k|mm|um|deg|c)$")
@@ -86,10 +93,10 @@ def test_printed_numbers_print_themselves_again():
     inch, rad = INCH.conversion("mm"), INCH.conversion("deg")
 
     assert INCH.printed(millimetres(0.12345)) == "0.00486"
-    assert rounded(1.2345, 0.0254, "mm").shown(inch) == "0.0486"
+    assert format_rounded(1.2345, 0.0254, "mm").shown(inch) == "0.0486"
     assert with_uncertainty(1.27, 0.0254).shown(inch) == "0.0500 ± 0.0010"
     assert interval(25.4, 50.8, 2.54).shown(inch) == "1.00 to 2.00"
-    assert fixed(90.0, 2, "deg").shown(rad) == "1.5708"
+    assert format_fixed(90.0, 2, "deg").shown(rad) == "1.5708"
     assert exact(254.0, "mm").shown(inch) == "10"
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.contract.devices.every import BENCHES
-from truepose.demo.progress import shown_progress
+from truepose.demo.progress import progress_bar
 from truepose.night.bad_lines import BadLine, _of_answers, _of_codec, _of_link, bad_lines
 from truepose.night.errors import UnknownCaseError
 from truepose_drivers.contract.codec_fuzz import CodecTally
@@ -16,7 +16,7 @@ EVERY = "tests.contract.devices.every:BENCHES"
 def test_a_driver_that_keeps_the_contract_passes_and_leaves_no_example(tmp_path):
     (counter,) = [bench for bench in BENCHES if bench.plugin.name == "heidenhain_nd"]
 
-    with shown_progress() as progress:
+    with progress_bar() as progress:
         checks = BadLine("heidenhain_nd", counter, seed=3, inputs=300, to_codec=300).run(tmp_path, progress)
 
     assert [check.figure for check in checks if not check.passed] == []

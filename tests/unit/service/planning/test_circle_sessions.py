@@ -11,7 +11,7 @@ from truepose.domain.session import SessionPlan, Turn
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.tracker.circles import plan_circles
 from truepose.planning.workspace.space import space_to_measure
-from truepose.sessions.tracker.service import judged
+from truepose.sessions.tracker.service import path_warnings_of_plan
 
 _TEMPLATE = SessionPlan("validation", (), settle_s=7.0)
 _CELL = simulated_cell("irb120-tilted", 0)
@@ -60,7 +60,7 @@ def test_the_usual_test_keeps_the_intervals_of_the_table_within_the_limits():
         assert (moved.min(), moved.max()) == (-reach, reach)
         assert np.diff(moved).min() == pytest.approx(step)
     assert angles[:, 5].max() == pytest.approx(np.floor(min(400.0, np.degrees(limits[5].upper_rad) + 1e-9)))
-    assert judged(_SEEN_CELL, plan) == ""
+    assert path_warnings_of_plan(_SEEN_CELL, plan) == ""
 
 
 def test_the_nest_on_the_axis_is_not_the_one_that_is_measured():
@@ -91,7 +91,7 @@ def test_where_the_others_stand_keeps_a_reflector_in_sight(facing_plan):
     assert arcs[1] >= 45.0  # the axis is across the line of sight: 58 deg at most
     assert arcs[5] >= 120.0
     assert arcs[6] >= 75.0
-    assert judged(_CELL, facing_plan) == ""
+    assert path_warnings_of_plan(_CELL, facing_plan) == ""
 
 
 def test_joints_that_are_seen_at_0_are_tested_there():

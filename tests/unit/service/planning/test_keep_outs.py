@@ -16,10 +16,10 @@ from truepose.planning.prediction.plan import because_of
 from truepose.planning.prediction.tracker import promised_session, session_plan
 from truepose.planning.tracker.additions import WantedStop, addition
 from truepose.planning.tracker.plans import plan_validation
-from truepose.planning.workspace.bodies import bodies_of, what_is_in_the_way
+from truepose.planning.workspace.bodies import bodies_of, first_obstruction
 from truepose.planning.workspace.candidates import cosines_in_sight, draw_candidates, is_seen
 from truepose.planning.workspace.capsules import least_mm, signed_mm
-from truepose.planning.workspace.path_clearance import ways_between, what_blocks_a_way
+from truepose.planning.workspace.path_clearance import path_obstruction, ways_between
 from truepose.planning.workspace.space import cosines_to_tracker, nominal_chain
 
 FEW = 400
@@ -161,9 +161,9 @@ def test_a_stop_inside_a_volume_is_named_with_body_and_volume():
     cell = replace(STATED, limits=replace(STATED.limits, keep_outs=ALL))
     reaching = planned([-10, 30, 0, 0, 0, 0], [40, 30, 0, 0, 0, 0])
 
-    refused = what_is_in_the_way(bodies_of(cell), reaching, None)
+    refused = first_obstruction(bodies_of(cell), reaching, None)
 
-    assert what_is_in_the_way(bodies_of(STATED), reaching, None) is None
+    assert first_obstruction(bodies_of(STATED), reaching, None) is None
     assert english(refused).startswith("The stop at configuration 2 cannot be")
     assert english(refused).endswith("inside the keep-out volume conveyor.")
 
@@ -172,8 +172,8 @@ def test_a_way_through_a_volume_is_refused_though_nobody_states_the_floor():
     unstated = replace(CELL, limits=replace(CELL.limits, keep_outs=KeepOuts((CONVEYOR,))))
     ways = ways_between(planned([-10, 30, 0, 0, 0, 0], [90, 30, 0, 0, 0, 0]), None)
 
-    assert "inside the keep-out volume conveyor" in english(what_blocks_a_way(bodies_of(unstated), ways))
-    assert what_blocks_a_way(bodies_of(STATED), ways) is None
+    assert "inside the keep-out volume conveyor" in english(path_obstruction(bodies_of(unstated), ways))
+    assert path_obstruction(bodies_of(STATED), ways) is None
 
 
 def test_an_added_stop_in_a_volume_is_left_out_with_the_volumes_names():

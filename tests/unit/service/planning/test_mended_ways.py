@@ -13,7 +13,7 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.errors import NoWayError
 from truepose.planning.observability import observability_o1
 from truepose.planning.tracker import plans
-from truepose.planning.tracker.path_repair import mended, pool_of
+from truepose.planning.tracker.path_repair import pool_of, repair_order
 from truepose.planning.tracker.plans import plan_calibration, plan_validation, scaled_jacobians
 from truepose.planning.workspace.bodies import bodies_in, rooms
 from truepose.planning.workspace.candidates import Candidates, draw_candidates
@@ -125,7 +125,7 @@ def test_an_order_is_mended_wherever_it_touches_and_only_there(rows, n, comes_fr
     start = rows[-1] if comes_from_somewhere and pool.stand(np.array(rows[-1:]), 0.0)[0] else None
     before = [order[0] if start is None else start, *order]
 
-    found = mended(pool, order, unused, start=start)
+    found = repair_order(pool, order, unused, start=start)
 
     after = [found[0] if start is None else start, *found]
     assert len(set(found)) == n
@@ -143,9 +143,9 @@ def test_an_order_that_is_not_allowed_is_not_chosen():
     pool = pool_of(LRMATE, POOL)
     orders = (np.random.default_rng(k).permutation(len(POOL))[:12].tolist() for k in range(99))
     order = next(order for order in orders if touches(pool, order))
-    first = mended(pool, order, unused).tolist()
+    first = repair_order(pool, order, unused).tolist()
 
-    other = mended(pool, order, unused, allowed=lambda found: list(found) != first).tolist()
+    other = repair_order(pool, order, unused, allowed=lambda found: list(found) != first).tolist()
 
     assert other != first
     assert not touches(pool, other)

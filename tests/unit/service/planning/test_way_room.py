@@ -17,10 +17,10 @@ from truepose.messages.catalogue import english
 from truepose.planning.workspace.bodies import bodies_of, rooms
 from truepose.planning.workspace.path_clearance import (
     Ways,
+    path_obstruction,
+    path_warnings,
     touching,
     ways_between,
-    what_blocks_a_way,
-    what_to_watch,
 )
 from truepose.sessions.tracker.steps import Move, visit
 
@@ -79,7 +79,7 @@ def test_a_way_through_the_table_between_two_clear_stops_is_named_with_body_and_
     ends = np.radians([BEFORE, BEYOND])
     assert rooms(bodies_of(CELL), np.vstack([ends, ends + OFFSET])).least_mm().min() > 0.0
 
-    refused = what_blocks_a_way(bodies_of(STATED), ways_between(planned(BEFORE, BEYOND), OFFSET))
+    refused = path_obstruction(bodies_of(STATED), ways_between(planned(BEFORE, BEYOND), OFFSET))
 
     assert "from configuration 1 to the approach to configuration 2" in english(refused)
     assert "tool nest 2 would be 76 mm below floor or table" in english(refused)
@@ -103,7 +103,7 @@ def test_ways_touch_where_dense_sampling_says_so(start, end):
 def test_a_way_on_which_the_tool_hits_the_arm_is_found_and_its_depth_is_that_of_the_bodies():
     ways = way(FOLDED, np.add(UNFOLDED, -5))
 
-    told = what_to_watch(bodies_of(CELL), ways)
+    told = path_warnings(bodies_of(CELL), ways)
 
     assert "tool nest 3 would be 4 mm inside the arm itself" in english(told)
     assert touching(bodies_of(CELL), ways, floor_only=True).size == 0
@@ -127,16 +127,16 @@ def gap_by_hand(joints_rad):
 def test_a_clear_plan_is_neither_refused_nor_spoken_of():
     ways = ways_between(planned(BEFORE, np.add(BEFORE, 3), np.add(BEFORE, -4)), OFFSET)
 
-    assert what_blocks_a_way(bodies_of(STATED), ways) is None
-    assert what_to_watch(bodies_of(STATED), ways) == ""
+    assert path_obstruction(bodies_of(STATED), ways) is None
+    assert path_warnings(bodies_of(STATED), ways) == ""
     assert lowest_by_hand(np.vstack([ways.start_rad, ways.end_rad])) > 0.0
 
 
 def test_above_a_floor_that_nobody_states_the_way_is_spoken_of_and_not_refused():
     ways = ways_between(planned(BEFORE, BEYOND, BEFORE, BEYOND), OFFSET)
 
-    assert what_blocks_a_way(bodies_of(CELL), ways) is None
-    told = what_to_watch(bodies_of(CELL), ways)
+    assert path_obstruction(bodies_of(CELL), ways) is None
+    told = path_warnings(bodies_of(CELL), ways)
     assert "assumed floor" in english(told)
     assert "76 mm below floor or table" in english(told)
     assert "Nor do 2 other ways." in english(told)
@@ -159,7 +159,7 @@ def test_from_where_the_arm_stands_leads_one_way_more():
     ways = ways_between(planned(BEYOND), None, here_rad=np.radians(BEFORE))
 
     assert tuple(map(english, ways.names)) == ("from where the arm stands to configuration 1",)
-    assert "from where the arm stands" in english(what_to_watch(bodies_of(CELL), ways))
+    assert "from where the arm stands" in english(path_warnings(bodies_of(CELL), ways))
 
 
 def test_many_ways_at_once_are_judged_as_each_by_itself():
@@ -178,9 +178,9 @@ def test_many_ways_at_once_are_judged_as_each_by_itself():
 def test_no_way_is_none_that_touches():
     bodies = bodies_of(CELL)
 
-    assert what_to_watch(bodies, ways_between([], OFFSET)) == ""
-    assert what_to_watch(bodies, ways_between(planned(BEFORE), None)) == ""
-    assert what_to_watch(bodies, ways_between(planned(BEFORE, BEFORE), None)) == ""
+    assert path_warnings(bodies, ways_between([], OFFSET)) == ""
+    assert path_warnings(bodies, ways_between(planned(BEFORE), None)) == ""
+    assert path_warnings(bodies, ways_between(planned(BEFORE, BEFORE), None)) == ""
 
 
 # The two arms of a double cell hang from a column: nobody knows where their floor is.
@@ -194,7 +194,7 @@ def test_the_ways_of_measured_campaigns_look_clear(measured_data, name):
     cell = Cell(name=name, robot_key="", robot=read.robot, nests=(Nest((0.0, 0.0, 1.0)),))
     bodies = bodies_of(replace(cell, limits=CellLimits(floor_z_mm=0.0)))
 
-    assert what_blocks_a_way(bodies, Ways(("",) * (len(ends) - 1), ends[:-1], ends[1:])) is None
+    assert path_obstruction(bodies, Ways(("",) * (len(ends) - 1), ends[:-1], ends[1:])) is None
 
 
 def test_an_arm_without_links_to_look_at_touches_nothing_without_a_tool():

@@ -21,7 +21,7 @@ from truepose.reports.captions import (
 from truepose.reports.diagnosis.cause_map import CauseMap, MapEntry
 from truepose.reports.diagnosis.report import DiagnosisReport
 from truepose.reports.identification.observability import (
-    determined,
+    determined_parameters,
     observability_figure,
     observability_sentence,
 )
@@ -136,14 +136,14 @@ def parameters(*times):
 
 
 def test_the_worst_known_parameter_is_named():
-    told = english(observability_sentence(determined(parameters(100.0, 20.0, 50.0))))
+    told = english(observability_sentence(determined_parameters(parameters(100.0, 20.0, 50.0))))
 
     assert "Each of the 3 parameters" in told
     assert "a_2, is known 20 times better" in told
 
 
 def test_parameters_that_an_assumption_holds_are_counted_and_combinations_too():
-    found = determined(parameters(1.25, 20.0, 1.0))
+    found = determined_parameters(parameters(1.25, 20.0, 1.0))
 
     told = english(observability_sentence(found, [NotIdentifiable(("d_2", "d_3"), "")]))
 
@@ -153,13 +153,13 @@ def test_parameters_that_an_assumption_holds_are_counted_and_combinations_too():
 
 
 def test_of_what_nobody_assumed_nothing_is_said_to_be_determined():
-    found = determined([replace(parameters(2.0)[0], prior_width=0.0)])
+    found = determined_parameters([replace(parameters(2.0)[0], prior_width=0.0)])
 
     assert observability_figure(found) is None
     assert leading_key(observability_sentence(found)) == "seen.observability.none"
 
 
 def test_the_figure_names_every_parameter_worst_first():
-    text = Page(str(observability_figure(determined(parameters(*range(2, 22)))))).text
+    text = Page(str(observability_figure(determined_parameters(parameters(*range(2, 22)))))).text
 
     assert text.index("a_1") < text.index("a_20")

@@ -18,7 +18,7 @@ from truepose.identification import judge
 from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
 from truepose.reports.pose_test import pose_test_summary, pose_test_table
-from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.rounding import format_rounded, millimetres, uncertainty
 from truepose.reports.traceability import Audit, Instrument, ReportConditions
 from truepose.reports.validation import ValidationReport, deciding_budget, validation_summary
 from truepose.validation.iso9283.plan import Cube, plan_poses
@@ -126,7 +126,7 @@ def test_the_page_and_the_document_state_the_same_numbers(points):
 
     for figure in told.iso9283.figures:
         half = "±" if figure.symbol == "RD" or (figure.symbol == "RP" and figure.component != "l") else ""
-        value = f"{half}{rounded(figure.value, figure.standard_uncertainty)}"
+        value = f"{half}{format_rounded(figure.value, figure.standard_uncertainty)}"
         assert f"{value} {uncertainty(figure.standard_uncertainty)} {figure.unit}" in page
     for pair in (told.position, told.relative, told.distance):
         for one in (pair.nominal, pair.identified):

@@ -5,9 +5,9 @@ import shutil
 
 import pytest
 
-from truepose.storage.caches import DrawnFolder, drawn_of
+from truepose.storage.caches import DrawnFolder, rendered_page
 
-PAGE = drawn_of(b"<svg/>")
+PAGE = rendered_page(b"<svg/>")
 
 
 @pytest.fixture
@@ -49,11 +49,11 @@ def test_a_file_that_was_cut_short_or_changed_is_none(folder, tmp_path, left):
 def test_what_nobody_looked_at_for_longest_makes_room(tmp_path):
     folder = DrawnFolder(tmp_path / "drawn", most_bytes=3 * 132, room_bytes=0)
     for number in range(3):
-        folder.keep(f"model {number}", drawn_of(bytes(100)))
+        folder.keep(f"model {number}", rendered_page(bytes(100)))
         os.utime(files(tmp_path)[0].parent / _name(folder, number), (number, number))
     folder.get("model 0")
 
-    folder.keep("model 3", drawn_of(bytes(100)))
+    folder.keep("model 3", rendered_page(bytes(100)))
 
     assert [folder.get(f"model {number}") is not None for number in range(4)] == [True, False, True, True]
 

@@ -5,7 +5,7 @@ import sqlite3
 import pytest
 
 from truepose.storage.errors import ChainHeadError
-from truepose.storage.integrity.head_hash import Head, contradicted, head_after, newest_head, read_head
+from truepose.storage.integrity.head_hash import Head, contradiction, head_after, newest_head, read_head
 
 HEAD = Head(4711, "K3QF-7ZWD-M2PA-XY5R")
 
@@ -39,7 +39,7 @@ def test_an_earlier_head_is_found_again_whatever_came_afterwards(chain):
     chain.execute("INSERT INTO links (stream, hash) VALUES (3, ?)", (b"x" * 32,))
 
     assert head_after(chain, printed.links) == printed
-    assert contradicted(chain, printed) is None
+    assert contradiction(chain, printed) is None
 
 
 @pytest.mark.parametrize("link", [1, 2, 3, 4, 5])
@@ -47,14 +47,14 @@ def test_a_chain_computed_anew_in_any_session_has_another_head(chain, link):
     printed = newest_head(chain)
     chain.execute("UPDATE links SET hash = ? WHERE id >= ?", (b"x" * 32, link))
 
-    assert "not those that the head" in contradicted(chain, printed)
+    assert "not those that the head" in contradiction(chain, printed)
 
 
 def test_newest_records_that_were_taken_out_are_counted(chain):
     printed = newest_head(chain)
     chain.execute("DELETE FROM links WHERE id > 3")
 
-    assert "The newest 2 records are missing" in contradicted(chain, printed)
+    assert "The newest 2 records are missing" in contradiction(chain, printed)
 
 
 @pytest.mark.parametrize(

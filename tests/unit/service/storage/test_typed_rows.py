@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from truepose.storage.errors import UnreadableRowError
 from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
-from truepose.storage.plant.outbox import typed, untyped
+from truepose.storage.plant.outbox import from_typed_json, to_typed_json
 
 VALUES = (
     st.none()
@@ -27,18 +27,21 @@ def hash_of(row):
 
 @given(ROWS)
 def test_what_comes_back_has_the_hash_of_what_was_kept(row):
-    assert hash_of(untyped(json.loads(json.dumps(typed(row))))) == hash_of(row)
+    assert hash_of(from_typed_json(json.loads(json.dumps(to_typed_json(row))))) == hash_of(row)
 
 
 @pytest.mark.parametrize("value", [0.1, -0.0, 5e-324, 1.7976931348623157e308, 3.0, math.inf])
 def test_a_float_is_the_same_to_the_last_bit(value):
-    came = untyped(json.loads(json.dumps(typed({"value": value}))))["value"]
+    came = from_typed_json(json.loads(json.dumps(to_typed_json({"value": value}))))["value"]
 
     assert came.hex() == value.hex()
 
 
 def test_a_whole_number_is_no_float_and_no_text():
-    kinds = [type(value) for value in untyped(typed({"a": 3, "b": 3.0, "c": "3", "d": b"3"})).values()]
+    kinds = [
+        type(value)
+        for value in from_typed_json(to_typed_json({"a": 3, "b": 3.0, "c": "3", "d": b"3"})).values()
+    ]
 
     assert kinds == [int, float, str, bytes]
 
@@ -53,4 +56,4 @@ def test_a_whole_number_is_no_float_and_no_text():
 )
 def test_what_is_no_record_is_said_to_be_none(document):
     with pytest.raises(UnreadableRowError):
-        untyped(document)
+        from_typed_json(document)

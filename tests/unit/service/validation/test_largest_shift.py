@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.identification.models import model_of, parameters_of
 from truepose.domain.identification import NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRange, JointRow, Robot
-from truepose.validation.model_comparison import FLANGE, far_values, largest_shift, placed_at
+from truepose.validation.model_comparison import FLANGE, far_values, largest_shift, moved_to
 
 FIRST_MM, SECOND_MM = 300.0, 200.0
 PLANAR = Robot(
@@ -58,7 +58,7 @@ def test_a_base_far_away_is_a_registration_and_one_that_was_moved_from_there_is_
 
     assert largest_shift(planar(), TURNS).shift_mm == pytest.approx(0.0, abs=1e-9)
     assert largest_shift(moved, TURNS).shift_mm == pytest.approx(5000.0, abs=1e-6)
-    assert largest_shift(placed_at(planar(), FramePlacement(), nests_known=True), TURNS).shift_mm > 5000.0
+    assert largest_shift(moved_to(planar(), FramePlacement(), nests_known=True), TURNS).shift_mm > 5000.0
 
 
 def test_a_base_within_its_prior_is_registered():

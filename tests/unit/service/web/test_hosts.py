@@ -1,10 +1,10 @@
 import pytest
 
-from truepose.web.middleware.hosts import AllowedHosts, AskedHost, UnusableHostError, asked_host
+from truepose.web.middleware.hosts import AllowedHosts, AskedHost, UnusableHostError, requested_host
 
 
 def allowed(name, hosts):
-    host = asked_host(name)
+    host = requested_host(name)
     return host is not None and hosts.scheme(host) is not None
 
 
@@ -19,7 +19,7 @@ def allowed(name, hosts):
     ],
 )
 def test_a_host_is_read_in_one_form(text, host):
-    assert asked_host(text) == host
+    assert requested_host(text) == host
 
 
 @pytest.mark.parametrize("listening", ["0.0.0.0", "::", "0", "", "0x0", "00.0"])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.middleware.language import preferred
+from truepose.web.middleware.language import preferred_languages
 
 
 @pytest.mark.parametrize(
@@ -20,4 +20,4 @@ from truepose.web.middleware.language import preferred
     ],
 )
 def test_languages_come_in_the_order_of_their_weights(accepted, languages):
-    assert [language for language in preferred(accepted) if language] == languages
+    assert [language for language in preferred_languages(accepted) if language] == languages

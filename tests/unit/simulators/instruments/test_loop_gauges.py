@@ -8,7 +8,7 @@ import pytest
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.instruments.gauges.loop import LoopSetup, bolted
+from truepose_simulators.instruments.gauges.loop import LoopSetup, bolt_targets
 from truepose_simulators.scenarios.file import load_scenario
 
 SPHERES = LoopSetup(
@@ -21,7 +21,7 @@ SPHERES = LoopSetup(
 def test_a_plate_is_bolted_elsewhere_and_its_spheres_stay_as_far_apart_as_its_paper_says():
     off, distances = [], []
     for seed in range(200):
-        first, second = bolted(SPHERES, np.random.default_rng(seed))
+        first, second = bolt_targets(SPHERES, np.random.default_rng(seed))
         off.append(first.place_mm - SPHERES.places_mm[0])
         distances.append(np.linalg.norm(second.place_mm - first.place_mm))
 
@@ -33,7 +33,7 @@ def test_a_plate_is_bolted_elsewhere_and_its_spheres_stay_as_far_apart_as_its_pa
 def test_without_uncertainty_everything_stands_where_it_was_asked_for():
     exact = replace(SPHERES, placed_u_mm=0.0, placed_u_rad=0.0, paper_u_mm=0.0)
 
-    for target, place in zip(bolted(exact, np.random.default_rng(1)), exact.places_mm, strict=True):
+    for target, place in zip(bolt_targets(exact, np.random.default_rng(1)), exact.places_mm, strict=True):
         assert target.place_mm == pytest.approx(place, abs=1e-12)
         assert target.zero_mm == 16.0
 

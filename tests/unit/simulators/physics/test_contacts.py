@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from truepose_simulators.physics.contacts import BallAtSensor, Plane, PlaneAtSensor, Sphere
-from truepose_simulators.physics.rigid import motion, move, placed, rotation
+from truepose_simulators.physics.rigid import motion, move, pose_matrix, rotation
 
 RNG = np.random.default_rng(4)
-FRAMES = placed(300.0 * RNG.standard_normal((6, 3)), RNG.uniform(-1.0, 1.0, (6, 3)))
+FRAMES = pose_matrix(300.0 * RNG.standard_normal((6, 3)), RNG.uniform(-1.0, 1.0, (6, 3)))
 NESTS = 100.0 * RNG.standard_normal((6, 3))
 PLACES = move(FRAMES, NESTS)
 CENTRE = np.array([400.0, -50.0, 120.0])

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from truepose_simulators.physics.contacts import (
     ball_on_gauge_mm,
+    ball_position_mm,
     probe_on_plane_mm,
     probe_on_sphere_mm,
-    seen_mm,
     wire_mm,
 )
 
@@ -61,6 +61,9 @@ def test_a_wire_reads_beyond_its_zero():
 
 def test_a_sensor_sees_a_ball_along_its_own_axes():
     turned = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # 90 deg about z
-    seen = [seen_mm(np.array([1.0, 1.0, 1.0]), turned, np.array([1.0, 3.0, 1.5]), axis) for axis in range(3)]
+    seen = [
+        ball_position_mm(np.array([1.0, 1.0, 1.0]), turned, np.array([1.0, 3.0, 1.5]), axis)
+        for axis in range(3)
+    ]
 
     assert seen == pytest.approx([2.0, 0.0, 0.5])

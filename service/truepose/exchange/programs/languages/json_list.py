@@ -39,7 +39,7 @@ def joint_names(names: Collection[str]) -> tuple[str, ...]:
     return tuple(takewhile(lambda name: name in names, (f"q{joint}_deg" for joint in count(1))))
 
 
-def required(names: Collection[str]) -> tuple[str, ...]:
+def required_fields(names: Collection[str]) -> tuple[str, ...]:
     """Return what a row must have, by what there is: a pose, or a configuration."""
     is_pose = not joint_names(names) or any(name in names for name in (*POSITION, *ROTATION))
     return (*POSITION, *ROTATION) if is_pose else joint_names(names)
@@ -94,7 +94,7 @@ def read(draft: Draft) -> None:
 def _read_entry(draft: Draft, entry: Node, places: dict[KeyPath, tuple[int, int]]) -> None:
     held = {}
     names = entry.entries()
-    for name in dict.fromkeys((*required(names), *joint_names(names))):
+    for name in dict.fromkeys((*required_fields(names), *joint_names(names))):
         node = entry.key(name)
         node.number()
         held[name] = draft.source.number(*places[node.path])

@@ -26,10 +26,10 @@ from truepose.exchange.programs.tokens import (
     Language,
     Token,
     Tokens,
+    display_tokens,
     inside,
     outside,
     parts,
-    shown,
     statements,
     tokens,
 )
@@ -78,7 +78,7 @@ def _step(source: Source, words: Tokens) -> Step:
     first = words[0].upper
     given = frozenset(_SETS.get(first, ()))
     if first == "BAS":
-        text = shown(source, words).upper()
+        text = display_tokens(source, words).upper()
         given = frozenset(which for name, which in NAMES.items() if name.replace("$", "#") in text)
     return Step(_BRANCHES.get(first, 0), given)
 

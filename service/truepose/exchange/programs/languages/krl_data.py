@@ -31,7 +31,16 @@ from truepose.exchange.programs.program import (
     Source,
     Written,
 )
-from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, parts, shown
+from truepose.exchange.programs.tokens import (
+    Token,
+    Tokens,
+    closing,
+    display_tokens,
+    inside,
+    number,
+    outside,
+    parts,
+)
 from truepose.messages.message import Message, message
 
 _POSE: Final = ("X", "Y", "Z", "A", "B", "C")
@@ -86,7 +95,7 @@ def _target(
         joints = Written(numbers, JOINT_DEGREES)
         return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=external)
     position, rotation = Written(numbers[:3], MILLIMETRES), Written(numbers[3:], ZYX_DEGREES)
-    branch = ", ".join(f"{key} {shown(source, held[key])}" for key in _BRANCH if key in held)
+    branch = ", ".join(f"{key} {display_tokens(source, held[key])}" for key in _BRANCH if key in held)
     value, turn = Pose.written(position, rotation), _bits(source, held.get("T", ()))
     turns = () if turn is None else (turn,)
     return ProgramTarget(
@@ -151,14 +160,14 @@ class Frames:
             line = self._source.line(words[0].start)
             spoken = message("left.frame_at", frame=name, place=self._source.place(line))
             return Frame(f"{name} of {self._source.said(line)}", written, spoken)
-        return self.named(shown(self._source, words).upper().replace(" ", ""))
+        return self.named(display_tokens(self._source, words).upper().replace(" ", ""))
 
     def of_point(self, words: Tokens) -> PointData:
         """Return what a FDAT aggregate says."""
         held = entries(words) or {}
         tool = self.numbered("TOOL", whole(self._source, held.get("TOOL_NO", ())))
         base = self.numbered("BASE", whole(self._source, held.get("BASE_NO", ())))
-        on_tool = "#TCP" in shown(self._source, held.get("IPO_FRAME", ())).upper()
+        on_tool = "#TCP" in display_tokens(self._source, held.get("IPO_FRAME", ())).upper()
         return PointData(tool, base, HOLDS_WORK if on_tool else None)
 
 
@@ -224,7 +233,7 @@ class Data:
         """Take down what may be a tool or a base: an aggregate of the type FRAME, or without a type."""
         may_be = given.kind in ("", _FRAME) and not given.component and given.name.upper not in NAMES
         if may_be and entries(given.value) is not None:
-            self.frames.declare(f"{given.name.upper}{shown(self._source, given.index)}", given.value)
+            self.frames.declare(f"{given.name.upper}{display_tokens(self._source, given.index)}", given.value)
 
     def _take(self, given: _Given) -> None:
         name = given.name.upper
@@ -243,7 +252,7 @@ class Data:
         if given.component or index is None or entries(given.value) is None:
             self._draft.change(self._source.line(given.name.start), _among(held, index))
             return
-        name = shown(self._source, [given.name, *given.index])
+        name = display_tokens(self._source, [given.name, *given.index])
         if_used = given.name.upper not in self._certain
         data = self._points.get(f"F{name.upper()[1:]}") or PointData(None, None)
         found = data.reason or target(self._source, name, given.value)

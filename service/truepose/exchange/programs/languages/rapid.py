@@ -30,7 +30,16 @@ from truepose.exchange.programs.parsed_program import (
     Draft,
 )
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame, Path
-from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, parts, shown
+from truepose.exchange.programs.tokens import (
+    Token,
+    Tokens,
+    closing,
+    display_tokens,
+    inside,
+    number,
+    outside,
+    parts,
+)
 from truepose.messages.message import Message, message
 
 _TARGETS: Final = frozenset({ROBTARGET, JOINTTARGET})
@@ -103,7 +112,7 @@ class Data:
         datum = self.find(routine, name) if len(words) == 1 else None
         if datum is not None and datum.frame is not None:
             return datum.frame
-        return _ALWAYS_THERE.get(name) or Frame(shown(self._source, words))
+        return _ALWAYS_THERE.get(name) or Frame(display_tokens(self._source, words))
 
     def _declare(self, statement: Statement) -> None:
         words = statement.words
@@ -147,7 +156,7 @@ class Data:
             return
         index = self._index(index_words)
         if index is not None and not component and inside(words[at + 1 :], "[") is not None:
-            self._add(datum, index, shown(self._source, [name, *index_words]), words[at + 1 :])
+            self._add(datum, index, display_tokens(self._source, [name, *index_words]), words[at + 1 :])
             return
         self._draft.change(line, self._among(datum, index_words))
 

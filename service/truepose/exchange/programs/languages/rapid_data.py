@@ -15,8 +15,8 @@ from truepose.exchange.programs.pose_notation import (
     JOINT_DEGREES,
     MILLIMETRES,
     QUATERNION,
+    compose,
     is_orientation,
-    placed,
 )
 from truepose.exchange.programs.program import (
     Configuration,
@@ -205,7 +205,7 @@ def work_object(source: Source, name: str, words: Tokens) -> Frame | Message:
             return message("left.object_moved", frame=name)
         case [_, _, _, user, of_object]:
             outer, inner = _pose_of(source, user), _pose_of(source, of_object)
-            return Frame(name, placed(outer, inner) if outer and inner else None)
+            return Frame(name, compose(outer, inner) if outer and inner else None)
     return Frame(name)
 
 

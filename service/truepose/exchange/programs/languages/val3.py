@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from truepose.exchange.programs.parsed_program import Draft
-from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES, placed
+from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES, compose
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
@@ -134,7 +134,7 @@ class _Reader:
         if entry is None or most == 0:
             return None
         outer = self._in_world(self._text(entry, _FATHER), most - 1)
-        return None if outer is None else placed(outer, self._pose(entry))
+        return None if outer is None else compose(outer, self._pose(entry))
 
     def _pose(self, entry: _Entry) -> Pose:
         """Return the pose of a frame; what it does not say is 0."""

@@ -15,7 +15,7 @@ from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
 from pydantic import AfterValidator
 
-from truepose.analysis.campaigns.contacts import taken_of
+from truepose.analysis.campaigns.contacts import readings_of
 from truepose.domain.people import NAME_PATTERN, tidy_name
 from truepose.web.api.events import EVENT_STREAM, Seconds, stream_content
 from truepose.web.api.sessions.ballbar import entry_reply
@@ -210,7 +210,7 @@ async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[Con
     """List what the gauges read, configuration by configuration."""
     await here.contact_sessions.get(id)
     lines = await here.session_desk.ledger.whole(id)
-    return paging.of(taken_of(line.entry for line in lines), ContactReadingReply.of)
+    return paging.of(readings_of(line.entry for line in lines), ContactReadingReply.of)
 
 
 @router.get("/live", response_class=StreamingResponse, responses=_LIVE)

@@ -260,7 +260,7 @@ class PlanReply(Reply):
     stops: list[StopReply]
 
 
-def planned(wanted: SessionRequest, cell: Cell) -> SessionPlan:
+def plan_of(wanted: SessionRequest, cell: Cell) -> SessionPlan:
     """Return the plan that `wanted` describes; without stops where they are to be chosen."""
     given = wanted.plan.stops if isinstance(wanted.plan, GivenStops) else []
     return wanted.into(

@@ -21,7 +21,7 @@ from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord
 from truepose.web.api.authority import require_authority
-from truepose.web.api.jobs import JobReply, planned_or_queued, queued
+from truepose.web.api.jobs import JobReply, planned_or_queued, queued_job
 from truepose.web.api.sessions.additions import (
     AdditionReply,
     AdditionRequest,
@@ -89,7 +89,7 @@ async def plan_session(
     made = await kind_called(wanted.kind).plan(here, wanted, planning)
     if made.by_job:
         response.status_code = status.HTTP_202_ACCEPTED
-        return await queued(here, made.number, response, preferred=later)
+        return await queued_job(here, made.number, response, preferred=later)
     response.headers["Location"] = f"/api/v1/sessions/{made.number}"
     return await get_session(here, made.number)
 

@@ -4,16 +4,16 @@ import asyncio
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
-from truepose.analysis.campaigns.contacts import taken_of
+from truepose.analysis.campaigns.contacts import readings_of
 from truepose.analysis.job_queue.tasks import ContactPlanTask, PlanTask
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.messages.message import Text
 from truepose.sessions.contact.dry_run import minutes_of
 from truepose.sessions.contact.service import ContactSessions
-from truepose.sessions.contact.state import Question, asked
+from truepose.sessions.contact.state import Question, open_prompt
 from truepose.sessions.tracker.reflector_monitor import Sighting
-from truepose.sessions.tracker.service import TrackerSessions, judged
+from truepose.sessions.tracker.service import TrackerSessions, path_warnings_of_plan
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionSetup
 from truepose.web.api.sessions.contact_schemas import (
@@ -32,8 +32,8 @@ from truepose.web.api.sessions.schemas import (
     PoseStops,
     ProvingStops,
     SessionRequest,
+    plan_of,
     plan_task,
-    planned,
 )
 from truepose.web.api.spaces import StopState
 from truepose.web.context import Context
@@ -85,10 +85,10 @@ class TrackerKind(UnattendedKind):
     async def plan(self, here: Context, wanted: SessionRequest, planning: Planning) -> Planned:
         """Plan a session whose configurations are given; else have a job choose them."""
         setup = SessionSetup(here.cell, wanted.attachment)
-        plan = planned(wanted, here.cell)
+        plan = plan_of(wanted, here.cell)
         if not isinstance(wanted.plan, GivenStops):
             return Planned(await _queue(here, wanted, setup, plan, planning), by_job=True)
-        notice = await asyncio.to_thread(judged, here.cell, plan)
+        notice = await asyncio.to_thread(path_warnings_of_plan, here.cell, plan)
         return Planned(await here.sessions.add(wanted.name, setup, plan, planning.key, notice))
 
     async def places(self, here: Context, id: int) -> "tuple[list[Place], dict[int, StopState]]":
@@ -157,7 +157,7 @@ class ContactKind(UnattendedKind):
         from truepose.reports.plan_space import Place
 
         plan = await here.sessions.contact_plan(id)
-        taken = taken_of(line.entry for line in await here.session_desk.ledger.whole(id))
+        taken = readings_of(line.entry for line in await here.session_desk.ledger.whole(id))
         states: dict[int, StopState] = {one.config: "measured" for one in taken}
         return [Place(stop.config, stop.joints_rad, plan.nest) for stop in plan.stops], states
 
@@ -165,4 +165,4 @@ class ContactKind(UnattendedKind):
         """Return what a session asks and does."""
         plan, cell = await here.sessions.contact_plan(id), (await here.sessions.setup(id)).cell
         minutes = await asyncio.to_thread(minutes_of, plan, cell.robot, cell.base_nominal)
-        return plan_reply(plan, [in_words(asked(question, plan)) for question in Question], minutes)
+        return plan_reply(plan, [in_words(open_prompt(question, plan)) for question in Question], minutes)

@@ -18,7 +18,7 @@ from truepose_simulators.instruments.robot.fanuc_rmi.registers import (
     fields_of,
     six_in,
 )
-from truepose_simulators.instruments.robot.kinematics import shown_deg
+from truepose_simulators.instruments.robot.kinematics import displayed_deg
 from truepose_simulators.physics.rigid import FloatArray
 
 Fields = Mapping[str, object]
@@ -176,7 +176,7 @@ class Controller:
         return {"TimeTag": self._time_ms}
 
     def _joint_angles(self, _: Packet) -> Fields:
-        shown = [round(angle, 3) + 0.0 for angle in shown_deg(self.joints()).tolist()]
+        shown = [round(angle, 3) + 0.0 for angle in displayed_deg(self.joints()).tolist()]
         axes = encode_axes([*shown, *(0.0 for _ in range(_AXES - len(shown)))])
         return {**self._tagged(), "JointAngle": axes}
 

@@ -21,9 +21,9 @@ from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controlle
 from truepose_simulators.instruments.robot.fanuc_rmi.registers import RefusedError, six_in
 from truepose_simulators.instruments.robot.kinematics import (
     UnreachableError,
+    displayed_deg,
     joints_rad,
     reach,
-    shown_deg,
     straight_line,
 )
 from truepose_simulators.physics.rigid import FloatArray
@@ -163,7 +163,7 @@ class RmiMove:
         stated = instruction.part("JointAngle")
         shown = np.array([stated.number(joint) for joint in _JOINTS])
         if "Relative" in instruction.name:
-            shown += shown_deg(self._controller.joints())
+            shown += displayed_deg(self._controller.joints())
         return joints_rad(shown)
 
     def _flange_target(self, instruction: Packet, which: str = "") -> FloatArray:

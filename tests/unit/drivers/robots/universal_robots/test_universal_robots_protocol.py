@@ -23,13 +23,13 @@ from truepose_drivers.universal_robots.protocol import (
     encode_line,
     inputs_request,
     is_accepted,
+    operator_message,
     outputs_request,
     recipe_reply,
     recipe_stated,
     requested_outputs,
     requested_version,
     require_greeting,
-    said,
     stated_name,
     stated_version,
     text_message,
@@ -89,7 +89,10 @@ def test_a_data_packet_is_read_and_written_byte_for_byte():
 
 
 def test_what_the_controller_tells_people_is_read():
-    assert said(only_packet(bytes.fromhex(DIALOGUE["text"]["packet"])).payload) == DIALOGUE["text"]["said"]
+    assert (
+        operator_message(only_packet(bytes.fromhex(DIALOGUE["text"]["packet"])).payload)
+        == DIALOGUE["text"]["said"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -101,7 +104,7 @@ def test_what_the_controller_tells_people_is_read():
         (recipe_reply(Kind.INPUTS, 3, ["INT32", "IN_USE"]), recipe_stated, (3, ["INT32", "IN_USE"])),
         (inputs_request(["a", "b"]), words, ["a", "b"]),
         (outputs_request(20.0, ["timestamp"]), requested_outputs, (20.0, ["timestamp"])),
-        (text_message("joint limits", "RTMachine", 0), said, "joint limits"),
+        (text_message("joint limits", "RTMachine", 0), operator_message, "joint limits"),
     ],
 )
 def test_each_side_reads_what_the_other_writes(packet, read, content):
@@ -130,7 +133,14 @@ def test_no_bytes_do_worse_than_to_be_no_packet(data):
     recipe = Recipe(1, OUTPUTS)
 
     while (packet := assert_refused_at_worst(UrProtocolError, reader.next_message)) is not None:
-        for read in (recipe.unpack, said, is_accepted, recipe_stated, stated_version, requested_outputs):
+        for read in (
+            recipe.unpack,
+            operator_message,
+            is_accepted,
+            recipe_stated,
+            stated_version,
+            requested_outputs,
+        ):
             assert_refused_at_worst(UrProtocolError, read, packet.payload)
 
 

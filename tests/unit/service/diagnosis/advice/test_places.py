@@ -9,7 +9,7 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start, planted
 from tests.helpers.domain.robots import IRB_120
 from truepose.diagnosis.configurations import (
-    drawn,
+    draw_configurations,
     filling,
     joint_limits,
     measured_ranges,
@@ -36,7 +36,9 @@ def _limited(start):
 def test_places_lie_within_the_measured_ranges_in_whole_hundredths(start):
     joints_deg = np.rad2deg(start.scene.stops.joints_rad)
 
-    places = drawn(start, make_selected(start, []), measured_ranges(start), 200, np.random.default_rng(0))
+    places = draw_configurations(
+        start, make_selected(start, []), measured_ranges(start), 200, np.random.default_rng(0)
+    )
 
     assert (places.joints_deg >= joints_deg.min(axis=0)).all()
     assert (places.joints_deg <= joints_deg.max(axis=0)).all()
@@ -68,7 +70,9 @@ def test_a_joint_that_never_moved_stays_where_it_was():
     )
     start = make_start({}, campaign=campaign)
 
-    places = drawn(start, make_selected(start, []), measured_ranges(start), 5, np.random.default_rng(0))
+    places = draw_configurations(
+        start, make_selected(start, []), measured_ranges(start), 5, np.random.default_rng(0)
+    )
 
     assert places.joints_deg[:, 2] == pytest.approx(np.full(5, 12.3456), abs=1e-9)
 
@@ -85,7 +89,7 @@ def test_all_else_is_as_at_the_last_reading_in_whichever_order_they_are_listed()
     start = make_start({})
     start = replace(start, scene=replace(start.scene, stops=listed))
 
-    stops = drawn(
+    stops = draw_configurations(
         start, make_selected(start, []), measured_ranges(start), 3, np.random.default_rng(4)
     ).state.targets.stops
 
@@ -132,7 +136,9 @@ def test_measured_torques_are_foretold_where_nothing_was_measured():
     told = replace(campaign.calibration, stops=replace(stops, torque_n_mm=torque))
     start = make_start({}, campaign=planted({}, campaign=replace(campaign, calibration=told)))
 
-    places = drawn(start, make_selected(start, []), measured_ranges(start), 20, np.random.default_rng(0))
+    places = draw_configurations(
+        start, make_selected(start, []), measured_ranges(start), 20, np.random.default_rng(0)
+    )
 
     there = forward(nominal_values(IRB_120, np.deg2rad(places.joints_deg)), np.eye(3), np.zeros(3))
     expected = gravity_torques(there, IRB_120.masses, np.array([0.0, 0.0, -9.81])) + zeros

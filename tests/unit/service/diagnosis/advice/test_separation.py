@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.configurations import drawn, measured_ranges
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.configurations import draw_configurations, measured_ranges
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.t_optimality import reading_variance, separation
 from truepose.domain.diagnosis import Cause
 from truepose.effects.registry import CAUSES
@@ -28,7 +28,11 @@ RIVAL = Cause("joint_harmonics", "joint 4")
 def scene():
     start = make_start({"joint_gain": {"gain_4": 1e-3}}, present=START)
     selected = make_selected(start, [GAIN], [WAVE])
-    return start, selected, drawn(start, selected, measured_ranges(start), 40, np.random.default_rng(1))
+    return (
+        start,
+        selected,
+        draw_configurations(start, selected, measured_ranges(start), 40, np.random.default_rng(1)),
+    )
 
 
 def _smallest_sum_of_squares(selected, places, rows):
@@ -82,7 +86,7 @@ def test_no_more_configurations_are_chosen_once_the_rival_is_exposed():
     start = make_start({"joint_gain": {"gain_4": 1e-3}})
     coupling = ("joint_coupling", "joint 4")
     selected = make_selected(start, [GAIN], [coupling])
-    places = drawn(start, selected, measured_ranges(start), 300, np.random.default_rng(2))
+    places = draw_configurations(start, selected, measured_ranges(start), 300, np.random.default_rng(2))
 
     found = separation(selected, selected.picks, [Cause(*coupling)], places)
 
@@ -106,7 +110,7 @@ def test_of_several_ways_in_which_a_rival_may_act_the_closest_is_taken():
         make_selected(start, [GAIN], [(RIVAL.effect, RIVAL.subject, first)])
         for first in ("wave_4_1_sin", None)
     )
-    places = drawn(start, one, measured_ranges(start), 40, np.random.default_rng(1))
+    places = draw_configurations(start, one, measured_ranges(start), 40, np.random.default_rng(1))
 
     slow = separation(one, one.picks, [RIVAL], places)
     closest = separation(many, many.picks, [RIVAL], places)
@@ -121,7 +125,7 @@ def test_no_configuration_exposes_a_curve_of_any_shape(scene):
     start, selected, places = scene
     curve = next(one for one in CAUSES[RIVAL.effect].candidates(start.scene) if one.function)
     assert Cause(curve.effect, curve.subject) != RIVAL
-    selected = replace(selected, pool=pooled(selected.fit, (*selected.pool.all, curve)))
+    selected = replace(selected, pool=pool_candidates(selected.fit, (*selected.pool.all, curve)))
     any_shape = Cause(curve.effect, curve.subject)
 
     alone = separation(selected, selected.picks, [RIVAL], places)

@@ -5,20 +5,20 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_start, proposed
 from truepose.diagnosis.alternatives import upper_limits_mm
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.candidates import pool_candidates
 
 GAP = ("backlash", "joint 3")
 WAVE = ("joint_harmonics", "joint 6", "wave_6_2_sin")
 
 
 def limit(start, cause):
-    pool = pooled(start.fit, proposed(start.scene, *cause)[:1])
+    pool = pool_candidates(start.fit, proposed(start.scene, *cause)[:1])
     return upper_limits_mm(pool.view(), (0,))[0]
 
 
 def way_mm(start, cause, values):
     """RMS of what a candidate of these values does to the tool."""
-    pool = pooled(start.fit, proposed(start.scene, *cause)[:1])
+    pool = pool_candidates(start.fit, proposed(start.scene, *cause)[:1])
     whitened = np.array(values) @ pool.products.columns
     # 0.015 mm and the scatter of the arm are the same for all readings, one nest a stop: a plain factor
     block = start.fit.blocks[0]

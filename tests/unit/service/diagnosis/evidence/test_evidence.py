@@ -7,9 +7,9 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
 from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.evidence.signature_functions import described
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.diagnose import propose_candidates
+from truepose.diagnosis.evidence.signature_functions import signatures_in_data
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.significance import most_likely
 from truepose.effects.signatures import signature_of
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -24,11 +24,11 @@ WAVES = {
 
 
 def everything(start):
-    return lambda fit: proposed(scene_of(start.problem, fit), ())
+    return lambda fit: propose_candidates(scene_of(start.problem, fit), ())
 
 
 def pool_of(start):
-    return pooled(start.fit, everything(start)(start.fit))
+    return pool_candidates(start.fit, everything(start)(start.fit))
 
 
 def places(found):
@@ -41,7 +41,7 @@ def wavy():
 
 
 def test_a_curve_is_described_where_it_acts_over_what_it_follows(wavy):
-    found = described(pool_of(wavy))
+    found = signatures_in_data(pool_of(wavy))
 
     assert ("joint 2", "angle of joint 2") in places(found)
     assert all(one.function for one in found.candidates)
@@ -50,7 +50,7 @@ def test_a_curve_is_described_where_it_acts_over_what_it_follows(wavy):
 
 @pytest.mark.parametrize("seed", [3, 4, 5])
 def test_noise_asks_for_hardly_a_cell(seed):
-    found = described(pool_of(make_start({}, seed=seed)))
+    found = signatures_in_data(pool_of(make_start({}, seed=seed)))
 
     # each of some ninety cells has a chance of 2 % (half a chi-square of one degree beyond 4)
     assert len(places(found)) <= 6
@@ -61,14 +61,14 @@ def test_cells_that_take_all_that_readings_left_are_described(stops, seed):
     """What is left for noise is rounding, and so is what tells these cells apart."""
     pool = pool_of(make_start({}, n=stops, seed=seed))
 
-    found = described(pool)
+    found = signatures_in_data(pool)
 
     assert np.isfinite(found.fitted(pool).past().step()).all()
 
 
 def test_what_is_described_foretells_readings_that_were_never_seen(wavy):
     pool = pool_of(wavy)
-    found = described(pool)
+    found = signatures_in_data(pool)
     unseen = planted(WAVES, telling_campaign(60, joints_rad=configurations(60, seed=9)), seed=11).calibration
 
     normal = found.fitted(pool)
@@ -87,11 +87,11 @@ def test_what_is_described_foretells_readings_that_were_never_seen(wavy):
 
 def test_a_cell_alone_is_as_large_as_the_same_function_alone(wavy):
     gain = [one for one in everything(wavy)(wavy.fit) if one.names == ("gain_2",)]
-    pool = pooled(wavy.fit, gain)
+    pool = pool_candidates(wavy.fit, gain)
     view = pool.view()
     width = gain[0].specs[0].prior_width
 
-    (found,) = described(pool).candidates
+    (found,) = signatures_in_data(pool).candidates
 
     alone = most_likely(view.gram(0) * width**2, view.towards * width, view.sums, widest=1.0)
     assert found.specs[0].prior_width == pytest.approx(alone.width * width)
@@ -103,7 +103,7 @@ def test_no_cell_is_larger_than_anybody_believes(wavy):
     pool = pool_of(loud)
 
     believed = {spec.name: spec.prior_width for one in pool.all for spec in one.specs}
-    for one in described(pool).candidates:
+    for one in signatures_in_data(pool).candidates:
         assert all(spec.prior_width <= believed[spec.name] * (1.0 + 1e-9) for spec in one.specs)
 
 
@@ -111,7 +111,7 @@ def test_picks_compete_with_the_cells_that_they_stand_in(wavy):
     selected = select_from(wavy, everything(wavy))
     assert selected.picks
 
-    found = described(selected.pool, selected.picks)
+    found = signatures_in_data(selected.pool, selected.picks)
 
     names = [name for one in found.candidates for name in one.names]
     assert len(names) == len(set(names))
@@ -120,7 +120,7 @@ def test_picks_compete_with_the_cells_that_they_stand_in(wavy):
 
 
 def test_nothing_proposed_is_nothing_described(wavy):
-    found = described(pooled(wavy.fit, ()))
+    found = signatures_in_data(pool_candidates(wavy.fit, ()))
 
     assert found.candidates == ()
     assert found.rows.size == 0

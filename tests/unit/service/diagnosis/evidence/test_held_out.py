@@ -9,12 +9,12 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
-from truepose.diagnosis.baseline_fit import scene_of, started
+from truepose.diagnosis.baseline_fit import fit_baseline, scene_of
 from truepose.diagnosis.diagnose import proposed as every_cause
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
-from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import chosen, grouped
+from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.selection import chosen, group_by_subject
 from truepose.identification.fit.robust import fit
 from truepose.identification.observations.poses import position_block
 
@@ -81,7 +81,7 @@ def start():
 
 @pytest.fixture(scope="module")
 def first(start):
-    return chosen(pooled(start.fit, propose_for(start)(start.fit)))
+    return chosen(pool_candidates(start.fit, propose_for(start)(start.fit)))
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def propose_for(start):
 
 
 def groups_of(selected):
-    return tuple(group for _, group in grouped(selected.picks))
+    return tuple(group for _, group in group_by_subject(selected.picks))
 
 
 @pytest.mark.parametrize("in_time", [False, True])
@@ -140,7 +140,7 @@ def test_a_held_out_reading_cannot_move_its_own_prediction(start, first):
     solution = fit(start.fit.structure, blocks, start.fit.values)
     off = replace(start.fit, blocks=blocks, solution=solution)
 
-    changed = Nested(chosen(pooled(off, propose_for(start)(off))), parts)
+    changed = Nested(chosen(pool_candidates(off, propose_for(start)(off))), parts)
 
     # what is read differently is all that its errors change by; its fold never saw it
     for kind in ("start", "chosen", "described"):
@@ -158,7 +158,7 @@ def test_what_is_held_out_takes_no_part_in_the_choice():
     solution = fit(start.fit.structure, (off, *start.fit.blocks[1:]), start.fit.values)
     spoilt = replace(start.fit, blocks=(off, *start.fit.blocks[1:]), solution=solution)
 
-    errors = Nested(chosen(pooled(spoilt, propose_for(start)(spoilt))), parts)
+    errors = Nested(chosen(pool_candidates(spoilt, propose_for(start)(spoilt))), parts)
 
     assert errors.chosen[held] == pytest.approx(errors.start[held], abs=1e-12)
 
@@ -246,6 +246,6 @@ def test_without_validation_readings_there_is_nothing_to_ask_in_the_end(start, s
 
 
 def _started(campaign):
-    found = started(campaign, START, relabel=False)
+    found = fit_baseline(campaign, START, relabel=False)
     assert not isinstance(found, str)
     return found

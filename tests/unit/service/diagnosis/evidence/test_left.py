@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
-from truepose.diagnosis.baseline_fit import started
+from truepose.diagnosis.baseline_fit import fit_baseline
 
 # The median of 80 squared radii has a relative standard deviation of 0.12, its root half of that.
 SPREAD = 4 * 0.06
@@ -98,6 +98,6 @@ def test_heavy_tails_are_noise():
 
 
 def _started(campaign):
-    found = started(campaign, START, relabel=False)
+    found = fit_baseline(campaign, START, relabel=False)
     assert not isinstance(found, str)
     return found

@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
 from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.diagnose import propose_candidates
 from truepose.diagnosis.evidence.sensitivities import CompleteModel, effect_of, worth_of
-from truepose.diagnosis.evidence.signature_functions import described
-from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import names_of, refitted
+from truepose.diagnosis.evidence.signature_functions import signatures_in_data
+from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.selection import names_of, refit_picks
 
 CURVE = {
     f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")
@@ -28,14 +28,14 @@ def selected(start):
 
 
 def cells(start, fit):
-    return proposed(scene_of(start.problem, fit), ())
+    return propose_candidates(scene_of(start.problem, fit), ())
 
 
 @pytest.fixture(scope="module")
 def whole(start, selected):
-    pool = pooled(selected.fit, (*selected.picks, *cells(start, selected.fit)))
-    found = described(pool, selected.picks)
-    return CompleteModel(refitted(start.fit, selected.fit, found.candidates), found.candidates)
+    pool = pool_candidates(selected.fit, (*selected.picks, *cells(start, selected.fit)))
+    found = signatures_in_data(pool, selected.picks)
+    return CompleteModel(refit_picks(start.fit, selected.fit, found.candidates), found.candidates)
 
 
 def test_what_is_described_is_told_by_its_place_the_largest_first(whole, selected):

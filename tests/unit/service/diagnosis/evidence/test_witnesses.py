@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
-from truepose.diagnosis.baseline_fit import Start, started
-from truepose.diagnosis.evidence.residual_structure import accused, speak_against
+from truepose.diagnosis.baseline_fit import Start, fit_baseline
+from truepose.diagnosis.evidence.residual_structure import fixed_nests_contradict, instrument_suspects
 from truepose.domain.diagnosis import Cause
 from truepose.effects.causes import ErrorSignature
 from truepose.identification.fit.robust import robust_fit
@@ -32,18 +32,18 @@ def fitted(step_mm):
 
 @pytest.mark.parametrize("cell", [JUMPED, DRIFTED, ErrorSignature("joint 3", "time", "jump")])
 def test_nests_that_moved_speak_against_what_is_said_over_time(cell):
-    assert speak_against(fitted(0.2), cell)
-    assert not speak_against(fitted(0.0), cell)
+    assert fixed_nests_contradict(fitted(0.2), cell)
+    assert not fixed_nests_contradict(fitted(0.0), cell)
 
 
 def test_they_know_nothing_of_what_does_not_follow_time():
-    assert not speak_against(fitted(0.2), ErrorSignature("joint 3", "angle of joint 3", "wave"))
+    assert not fixed_nests_contradict(fitted(0.2), ErrorSignature("joint 3", "angle of joint 3", "wave"))
 
 
 def test_without_fixed_nests_nobody_speaks():
     problem = build(replace(telling_campaign(24), reference=None), ("base", "joint_offset"))
 
-    assert not speak_against(robust_fit(problem.structure, problem.blocks, problem.start), JUMPED)
+    assert not fixed_nests_contradict(robust_fit(problem.structure, problem.blocks, problem.start), JUMPED)
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +55,12 @@ def start():
 def test_the_same_of_the_instrument_is_accused_where_it_was_tried(start, cell, cause):
     tried = make_selected(start, [], rivals=[KICK, DRIFT, ("base_shift", "base")])
 
-    assert accused(tried, cell) == (Cause(*cause),)
-    assert accused(make_selected(start, [], rivals=[("base_shift", "base")]), cell) == ()
+    assert instrument_suspects(tried, cell) == (Cause(*cause),)
+    assert instrument_suspects(make_selected(start, [], rivals=[("base_shift", "base")]), cell) == ()
 
 
 def test_what_was_found_besides_is_not_accused_again(start):
-    assert accused(make_selected(start, [KICK], rivals=[KICK]), JUMPED) == ()
+    assert instrument_suspects(make_selected(start, [KICK], rivals=[KICK]), JUMPED) == ()
 
 
 @pytest.mark.parametrize(("step_mm", "left_over"), [(0.2, True), (0.0, False)])
@@ -69,7 +69,7 @@ def test_nests_that_nothing_explains_are_left_over(step_mm, left_over):
     looks = campaign.reference
     late = looks.time_s > np.median(looks.time_s)
     moved = replace(looks, position_mm=looks.position_mm + step_mm * late[:, None])
-    start = started(replace(campaign, reference=moved), PRESENT, relabel=False)
+    start = fit_baseline(replace(campaign, reference=moved), PRESENT, relabel=False)
     assert isinstance(start, Start)
 
     left = left_of(start, make_selected(start, []))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
-from truepose.diagnosis.reading_faults import gathered
+from truepose.diagnosis.reading_faults import shared_properties
 from truepose.messages.catalogue import english
 
 N = 96
@@ -26,13 +26,13 @@ def some_of(readings, count):
 
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_one_or_two_bad_readings_cannot_gather(count, scene):
-    assert gathered(scene, some_of(scene.nest == 2, count)) is None
+    assert shared_properties(scene, some_of(scene.nest == 2, count)) is None
 
 
 def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
     bad = some_of((scene.nest == 2) & (scene.stops.attachment == 3), 6)
 
-    found = gathered(scene, bad)
+    found = shared_properties(scene, bad)
 
     assert english(found.sentence).startswith(
         "6 of them were read at nest 2 in mounting 3 of the tool, as 8 of all were"
@@ -44,7 +44,7 @@ def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
 def test_bad_readings_of_one_nest_are_told_by_it(scene):
     bad = (scene.nest == 1) & (np.arange(N) % 2 == 0)
 
-    assert gathered(scene, bad).on.variable == "nest"
+    assert shared_properties(scene, bad).on.variable == "nest"
 
 
 def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene):
@@ -52,7 +52,7 @@ def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene)
     ends = np.quantile(angle_deg, [0.5, 0.75])
     bad = some_of((angle_deg >= ends[0]) & (angle_deg < ends[1]), 12)
 
-    found = gathered(scene, bad)
+    found = shared_properties(scene, bad)
 
     assert (found.on.variable, found.on.joint) == ("angle of joint 5", 4)
     assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as 24 of all were" in english(
@@ -63,7 +63,7 @@ def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene)
 def test_bad_readings_of_one_part_of_the_campaign_are_told_by_time(scene):
     scene = replace(scene, stops=replace(scene.stops, attachment=None))
 
-    found = gathered(scene, some_of(scene.stops.time_s >= np.median(scene.stops.time_s), 12))
+    found = shared_properties(scene, some_of(scene.stops.time_s >= np.median(scene.stops.time_s), 12))
 
     assert found.on.kind == "time"
     assert "between 24 min and 36 min after the first reading" in english(found.sentence)
@@ -73,11 +73,13 @@ def test_what_the_readings_of_a_stop_share_counts_once(scene):
     three_each = replace(scene, stops=replace(scene.stops, config=np.arange(N) // 3, attachment=None))
     two_stops = three_each.stops.config < 2  # their six readings are near in time
 
-    assert gathered(three_each, two_stops) is None
-    assert gathered(replace(scene, stops=replace(scene.stops, attachment=None)), two_stops) is not None
+    assert shared_properties(three_each, two_stops) is None
+    assert (
+        shared_properties(replace(scene, stops=replace(scene.stops, attachment=None)), two_stops) is not None
+    )
 
 
 def test_readings_that_tell_neither_time_nor_mounting_still_tell_their_nest(scene):
     stops = replace(scene.stops, time_s=None, attachment=None)
 
-    assert gathered(replace(scene, stops=stops), scene.nest == 3).on.variable == "nest"
+    assert shared_properties(replace(scene, stops=stops), scene.nest == 3).on.variable == "nest"

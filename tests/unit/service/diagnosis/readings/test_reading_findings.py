@@ -8,7 +8,7 @@ from tests.helpers.diagnosis.leg_scenes import LEG_START, telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, planted
 from tests.helpers.identification.synthetic import NESTS, configurations, leg_campaign, nominal_campaign
-from truepose.diagnosis.baseline_fit import started
+from truepose.diagnosis.baseline_fit import fit_baseline
 from truepose.diagnosis.evidence.held_out_errors import on_validation
 from truepose.diagnosis.reading_findings import readings_found
 from truepose.domain.robot import Nest
@@ -16,7 +16,7 @@ from truepose.domain.robot import Nest
 
 def found_in(campaign, effects):
     """What is wrong with the readings of a campaign in which nothing else was found."""
-    start = started(campaign, effects, relabel=True)
+    start = fit_baseline(campaign, effects, relabel=True)
     selected = make_selected(start, ())
     judged = on_validation(start.campaign, (start.fit, selected.fit), selected, ())
     return readings_found(start, selected, left_of(start, selected), judged)

@@ -5,10 +5,10 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, planted, select_from
-from truepose.diagnosis.baseline_fit import scene_of, started
+from truepose.diagnosis.baseline_fit import fit_baseline, scene_of
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import reselected
+from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.selection import reselect
 from truepose.diagnosis.screening.significance import screen
 from truepose.effects.registry import CAUSES
 from truepose.messages.catalogue import english
@@ -75,7 +75,7 @@ def test_a_few_waves_are_told_one_by_one():
 
 def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time():
     measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006), n=120)
-    start = started(measured, PRESENT, relabel=False)
+    start = fit_baseline(measured, PRESENT, relabel=False)
 
     def propose(fit):
         return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
@@ -83,17 +83,19 @@ def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time
     selected = select_from(start, propose)
     assert selected.picks[0].function
 
-    again = reselected(start.fit, selected, selected.picks, propose)
+    again = reselect(start.fit, selected, selected.picks, propose)
 
     assert again.picks[0].names == selected.picks[0].names
 
 
 def test_a_curve_that_was_sized_may_still_grow_to_what_physics_allows():
     measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
-    start = started(measured, PRESENT, relabel=False)
+    start = fit_baseline(measured, PRESENT, relabel=False)
     proposed = CAUSES["joint_harmonics"].candidates(scene_of(start.problem, start.fit))
     curve = next(one for one in proposed if one.function and one.subject == "joint 1")
 
-    wide, small = (screen(pooled(start.fit, (one,)).view()).width[0] for one in (curve, curve.sized(0.01)))
+    wide, small = (
+        screen(pool_candidates(start.fit, (one,)).view()).width[0] for one in (curve, curve.sized(0.01))
+    )
 
     assert 0.01 * small == pytest.approx(wide, rel=0.25)  # a step of the grid

@@ -6,10 +6,10 @@ import pytest
 from tests.helpers.diagnosis.selections import make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.diagnose import propose_candidates
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.refinement import with_exact_moments
-from truepose.diagnosis.screening.selection import Selection, refitted
+from truepose.diagnosis.screening.selection import Selection, refit_picks
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 
@@ -23,7 +23,7 @@ def jumped(after):
     plain = times(make_start({}, n=READINGS))
     middle_s = 0.5 * (plain[after - 1] + plain[after])
     start = make_start({"unnamed": {f"cell_jump_3_{middle_s:.0f}_turn": 1.5e-4}}, n=READINGS)
-    return start, middle_s, lambda fit: proposed(scene_of(start.problem, fit), ())
+    return start, middle_s, lambda fit: propose_candidates(scene_of(start.problem, fit), ())
 
 
 @pytest.mark.parametrize("after", [40, 41, 42, 87])
@@ -44,7 +44,7 @@ def test_without_a_jump_nothing_is_placed():
     start = make_start({"joint_gain": {"gain_4": 1e-3}})
 
     def propose(fit):
-        return proposed(scene_of(start.problem, fit), ())
+        return propose_candidates(scene_of(start.problem, fit), ())
 
     selected = select_from(start, propose)
 
@@ -57,8 +57,10 @@ def test_two_jumps_that_meet_in_one_gap_are_one_jump():
     tried = sorted((one for one in propose(start.fit) if one.subject == subject), key=lambda one: one.variant)
     before = [one for one in tried if one.variant < middle_s - 1.0][-1]
     after = next(one for one in tried if one.variant > middle_s + 1.0)
-    fit = refitted(start.fit, start.fit, (before, after))
-    selected = Selection(fit, (before, after), pooled(fit, (before, after, *propose(fit))), full=False)
+    fit = refit_picks(start.fit, start.fit, (before, after))
+    selected = Selection(
+        fit, (before, after), pool_candidates(fit, (before, after, *propose(fit))), full=False
+    )
 
     placed = with_exact_moments(start.fit, selected, propose, start.scene)
 

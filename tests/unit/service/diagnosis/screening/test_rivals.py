@@ -6,8 +6,8 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.alternatives import weighed
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.alternatives import weigh_alternatives
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.domain.diagnosis import Cause
 
 GAIN = ("joint_gain", "joint 4")
@@ -16,7 +16,7 @@ SLOW_WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")
 
 def rivals_of(start, pick, *others, structure_left=False):
     selected = make_selected(start, [pick], others)
-    return weighed(selected, selected.picks, structure_left=structure_left)
+    return weigh_alternatives(selected, selected.picks, structure_left=structure_left)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_as_far_behind_what_differs_in_more_than_the_shape_of_a_slow_curve_is_no
     pick, wave = selected.pool.all
     renamed = replace(selected.pool, all=(pick, wave._replace(**changes)))  # with the same columns
 
-    found = weighed(replace(selected, pool=renamed), selected.picks, structure_left=False)
+    found = weigh_alternatives(replace(selected, pool=renamed), selected.picks, structure_left=False)
 
     assert found.rivals == ()
 
@@ -66,9 +66,9 @@ def test_one_joint_is_no_rival_of_all_joints():
 def test_a_rival_is_named_once_however_many_of_its_ways_come_close(small_gain):
     selected = make_selected(small_gain, [GAIN], [SLOW_WAVE])
     pick, wave = selected.pool.all
-    pool = pooled(selected.fit, (pick, wave, wave._replace(variant=1.5)))
+    pool = pool_candidates(selected.fit, (pick, wave, wave._replace(variant=1.5)))
 
-    found = weighed(replace(selected, pool=pool), selected.picks, structure_left=False)
+    found = weigh_alternatives(replace(selected, pool=pool), selected.picks, structure_left=False)
 
     assert found.rivals == (Cause("joint_harmonics", "joint 4"),)
 

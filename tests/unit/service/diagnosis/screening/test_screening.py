@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
-from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.significance import screen
 from truepose.effects.ports import ParameterSpec
 
@@ -50,7 +50,7 @@ def left(matrix, residual):
 @pytest.mark.parametrize("name", [GAINS[0], GAINS[1], COUPLING, WAVE])
 def test_a_candidate_explains_what_a_fit_with_it_would(start, name):
     tried = candidate(start, *name, width=WIDE)
-    pool = pooled(start.fit, [tried])
+    pool = pool_candidates(start.fit, [tried])
 
     screened = screen(pool.view())
 
@@ -61,17 +61,17 @@ def test_a_candidate_explains_what_a_fit_with_it_would(start, name):
 
 
 def test_a_belief_shrinks_what_a_single_parameter_explains_as_in_a_fit(start):
-    column = pooled(start.fit, [candidate(start, *GAINS[1])]).rows(0)
+    column = pool_candidates(start.fit, [candidate(start, *GAINS[1])]).rows(0)
     width = 1.0 / float(np.linalg.norm(column))  # as much as the data know
 
-    screened = screen(pooled(start.fit, [candidate(start, *GAINS[1], width=width)]).view())
+    screened = screen(pool_candidates(start.fit, [candidate(start, *GAINS[1], width=width)]).view())
 
     expected = least_squares_gain(start.fit, column, [width])
     assert screened.explained[0] == pytest.approx(expected, rel=1e-4, abs=1e-6)
 
 
 def test_an_amplitude_that_nobody_would_believe_explains_nothing(start):
-    screened = screen(pooled(start.fit, [candidate(start, *GAINS[1], width=1e-12)]).view())
+    screened = screen(pool_candidates(start.fit, [candidate(start, *GAINS[1], width=1e-12)]).view())
 
     assert screened.explained[0] == pytest.approx(0.0, abs=1e-9)
     assert (screened.size[0], screened.p_value[0], screened.score[0]) == (0.0, 1.0, -np.inf)
@@ -91,7 +91,7 @@ def test_what_the_model_already_has_is_not_found_again(start):
 
 def test_a_pick_taken_out_of_the_model_explains_what_it_explained(start):
     with_gain = make_start({"joint_gain": {"gain_4": 3e-4}})
-    before = screen(pooled(with_gain.fit, [candidate(with_gain, *GAINS[1])]).view())
+    before = screen(pool_candidates(with_gain.fit, [candidate(with_gain, *GAINS[1])]).view())
     selected = make_selected(with_gain, [GAINS[1]])
 
     again = screen(selected.pool.view(without=("gain_4",)))
@@ -121,7 +121,7 @@ def test_noise_makes_every_p_value_equally_often(start, name):
     from scipy.stats import kstest  # takes each process that collects this a quarter of a second
 
     rng = np.random.default_rng(4)
-    pool = pooled(start.fit, [candidate(start, *name, width=WIDE)])
+    pool = pool_candidates(start.fit, [candidate(start, *name, width=WIDE)])
 
     p_values = [screen(noise_on(pool, rng).view()).p_value[0] for _ in range(500)]
 
@@ -130,7 +130,9 @@ def test_noise_makes_every_p_value_equally_often(start, name):
 
 
 def test_the_size_of_the_noise_is_that_of_the_residuals_not_what_is_stated(start):
-    pool = noise_on(pooled(start.fit, [candidate(start, *GAINS[1], width=WIDE)]), np.random.default_rng(0))
+    pool = noise_on(
+        pool_candidates(start.fit, [candidate(start, *GAINS[1], width=WIDE)]), np.random.default_rng(0)
+    )
     louder = replace(
         pool,
         normal=replace(
@@ -148,8 +150,8 @@ def test_the_size_of_the_noise_is_that_of_the_residuals_not_what_is_stated(start
 def test_the_level_is_shared_by_all_causes_and_within_a_cause_by_all_its_candidates(start):
     gains, coupling = [candidate(start, *name) for name in GAINS], candidate(start, *COUPLING)
 
-    alone = [float(screen(pooled(start.fit, [one]).view()).p_value[0]) for one in (*gains, coupling)]
-    together = screen(pooled(start.fit, [*gains, coupling]).view()).p_value
+    alone = [float(screen(pool_candidates(start.fit, [one]).view()).p_value[0]) for one in (*gains, coupling)]
+    together = screen(pool_candidates(start.fit, [*gains, coupling]).view()).p_value
 
     expected = [min(1.0, 2 * 3 * p) for p in alone[:3]] + [min(1.0, 2 * alone[3])]
     assert together == pytest.approx(expected, rel=1e-6)
@@ -157,7 +159,7 @@ def test_the_level_is_shared_by_all_causes_and_within_a_cause_by_all_its_candida
 
 
 def test_readings_that_repeat_one_another_make_nothing_less_probable(start):
-    pool = pooled(start.fit, [candidate(start, *WAVE)])
+    pool = pool_candidates(start.fit, [candidate(start, *WAVE)])
     alike = replace(pool, normal=replace(pool.normal, alike=3.0))
 
     assert screen(alike.view()).p_value[0] > screen(pool.view()).p_value[0]
@@ -166,8 +168,8 @@ def test_readings_that_repeat_one_another_make_nothing_less_probable(start):
 def test_what_was_searched_over_costs_score(start):
     waves = proposed(start.scene, "joint_harmonics", "joint 6")
 
-    alone = screen(pooled(start.fit, waves[:1]).view()).score[0]
-    among = screen(pooled(start.fit, waves).view()).score[0]
+    alone = screen(pool_candidates(start.fit, waves[:1]).view()).score[0]
+    among = screen(pool_candidates(start.fit, waves).view()).score[0]
 
     assert alone - among == pytest.approx(2.0 * np.log(len(waves)), rel=1e-6)
 
@@ -175,19 +177,19 @@ def test_what_was_searched_over_costs_score(start):
 def test_the_shape_that_takes_no_search_does_not_pay_for_it(start):
     drifts = proposed(start.scene, "base_drift", "base")
 
-    alone = [screen(pooled(start.fit, [drift]).view()).score[0] for drift in drifts[:2]]
-    among = screen(pooled(start.fit, drifts).view()).score[:2]
+    alone = [screen(pool_candidates(start.fit, [drift]).view()).score[0] for drift in drifts[:2]]
+    among = screen(pool_candidates(start.fit, drifts).view()).score[:2]
 
     assert [drift.variant > 0.0 for drift in drifts[:2]] == [False, True]
     assert alone - among == pytest.approx([0.0, 2.0 * np.log(len(drifts))], rel=1e-6)
 
 
 def test_nothing_tried_is_nothing_screened(start):
-    assert screen(pooled(start.fit, []).view()).p_value.size == 0
+    assert screen(pool_candidates(start.fit, []).view()).p_value.size == 0
 
 
 def test_parameters_with_one_column_twice_count_once(start):
     gain = candidate(start, *GAINS[1])
     double = gain._replace(specs=(gain.specs[0], ParameterSpec(gain.names[0], "1", 0.0, WIDE)))
 
-    assert screen(pooled(start.fit, [double]).view()).size[0] == 1.0
+    assert screen(pool_candidates(start.fit, [double]).view()).size[0] == 1.0

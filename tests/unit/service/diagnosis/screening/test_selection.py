@@ -5,16 +5,16 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
 from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import best_of, chosen, refitted, reselected, select
+from truepose.diagnosis.diagnose import propose_candidates
+from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.selection import best_of, chosen, refit_picks, reselect, select
 from truepose.diagnosis.screening.significance import Screening
 
 BACKLASH = {"gap_3": 4e-4}
 
 
 def everything(start):
-    return lambda fit: proposed(scene_of(start.problem, fit), ())
+    return lambda fit: propose_candidates(scene_of(start.problem, fit), ())
 
 
 def named(picks):
@@ -93,7 +93,7 @@ def test_few_readings_do_not_carry_more_parameters_and_that_is_said():
 def test_progress_is_told_and_never_goes_back(start):
     told = []
 
-    select(chosen(pooled(start.fit, everything(start)(start.fit))), everything(start), told.append)
+    select(chosen(pool_candidates(start.fit, everything(start)(start.fit))), everything(start), told.append)
 
     assert told[0] == 0.0
     assert told == sorted(told)
@@ -121,7 +121,7 @@ def test_the_best_is_the_one_of_best_score_among_those_beyond_chance(p_values, s
 def test_a_kept_pick_is_fitted_again_without_the_others(start, selected):
     kept = tuple(pick for pick in selected.picks if pick.effect == "backlash")
 
-    again = reselected(start.fit, selected, kept, everything(start))
+    again = reselect(start.fit, selected, kept, everything(start))
 
     assert again.picks == kept
     assert "gain_4" not in again.fit.structure.names
@@ -129,7 +129,7 @@ def test_a_kept_pick_is_fitted_again_without_the_others(start, selected):
 
 
 def test_keeping_nothing_is_the_start(start, selected):
-    again = reselected(start.fit, selected, (), everything(start))
+    again = reselect(start.fit, selected, (), everything(start))
 
     assert again.picks == ()
     assert again.fit is start.fit
@@ -138,13 +138,13 @@ def test_keeping_nothing_is_the_start(start, selected):
 def test_a_pick_that_is_not_worth_it_is_not_kept(start):
     useless = make_selected(start, [("nest_offset", "nest 2"), ("joint_gain", "joint 4")])
 
-    again = reselected(start.fit, useless, useless.picks, everything(start))
+    again = reselect(start.fit, useless, useless.picks, everything(start))
 
     assert named(again.picks) == [("joint_gain", "joint 4")]
 
 
 def test_a_refit_starts_from_what_is_known(start, selected):
-    again = refitted(start.fit, selected.fit, selected.picks)
+    again = refit_picks(start.fit, selected.fit, selected.picks)
 
     # what the solver left open the first time, in units of each uncertainty
     moved = (again.values - selected.fit.values) / np.sqrt(np.diag(selected.fit.solution.covariance))

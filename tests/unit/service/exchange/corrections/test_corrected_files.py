@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
-from truepose.correction import shifted_by
+from truepose.correction import pose_shifts
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections import check_file, correct_file
 from truepose.exchange.errors import UnreadableFileError
@@ -56,7 +56,7 @@ def test_joints_mean_the_same_place_whatever_poses_are_given_in():
 def test_the_shift_leads_from_the_place_meant_to_where_the_controller_believes_to_be():
     _, _, (rows,) = corrected("a.csv", TABLE)
 
-    place, shift = shifted_by(model(), rows.goals, rows.found.joints_rad)
+    place, shift = pose_shifts(model(), rows.goals, rows.found.joints_rad)
 
     meant = nominal_chain(IRB_120, np.radians([JOINTS])).end_origin
     sent = nominal_chain(IRB_120, rows.found.joints_rad).end_origin

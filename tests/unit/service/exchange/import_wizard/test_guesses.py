@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.unit.service.exchange.import_wizard.tables import plain, readings, table
-from truepose.exchange.import_wizard.column_detection import guessed
+from truepose.exchange.import_wizard.column_detection import guess_columns
 from truepose.exchange.import_wizard.sheet import read_sheet
 from truepose.messages.catalogue import LANGUAGES, catalogue
 
@@ -13,7 +13,7 @@ JOINTS = [f"q{k}" for k in range(1, 7)]
 
 
 def guesses_of(data, name="mine.csv"):
-    return guessed(read_sheet(name, data))
+    return guess_columns(read_sheet(name, data))
 
 
 def columns_of(data):

@@ -18,7 +18,7 @@ from truepose.domain.robot import Nest
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.errors import UnsafeArchiveError
-from truepose.exchange.import_wizard.dialogue import Choices, FileChoice, choices_of, merged
+from truepose.exchange.import_wizard.dialogue import Choices, FileChoice, choices_of, merge_patch
 from truepose.exchange.import_wizard.files import example_files
 from truepose.exchange.import_wizard.headings import ColumnMeaning
 from truepose.exchange.import_wizard.reading import read_imported_files
@@ -390,7 +390,7 @@ def test_what_is_said_is_merged_member_by_member():
         "u_mm": 0.02,
     }
 
-    after = merged(before, {"files": {"a": {"left_out": [4], "lines": {"5": "1,2"}}}, "u_mm": None})
+    after = merge_patch(before, {"files": {"a": {"left_out": [4], "lines": {"5": "1,2"}}}, "u_mm": None})
 
     assert "u_mm" not in after
     assert choices_of(json.loads(json.dumps(after))).of("a") == FileChoice(

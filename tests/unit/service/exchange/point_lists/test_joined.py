@@ -5,7 +5,7 @@ import pytest
 
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.point_list import NamedPoint
-from truepose.exchange.campaigns.points_with_joints import joined
+from truepose.exchange.campaigns.points_with_joints import join_tables
 from truepose.exchange.errors import BadValueError, MissingEntryError
 
 JOINTS = "config,q1_deg,q2_deg\n1,10,20\n2,11,21\n3,12,22\n"
@@ -16,7 +16,7 @@ def points(*names, uncertainty=None):
 
 
 def join(listed, table=JOINTS, **options):
-    return joined(listed, "joints.csv", table.encode(), **({"u_mm": 0.02} | options))
+    return join_tables(listed, "joints.csv", table.encode(), **({"u_mm": 0.02} | options))
 
 
 def test_points_go_to_the_configuration_whose_number_ends_their_name_in_any_order():

@@ -10,7 +10,7 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, nominal_campaign
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest, Nest, WorldRegistration
-from truepose.identification.fit.assessment import considered, world_registration
+from truepose.identification.fit.assessment import propagate_certificates, world_registration
 from truepose.identification.fit.robust import RobustFit, fit
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build
@@ -56,7 +56,7 @@ def test_drawn_nest_errors_scatter_the_parameters_as_stated():
     )
     problem = build(campaign, EFFECTS)
     base = plain_fit(problem)
-    stated = considered(campaign, base)
+    stated = propagate_certificates(campaign, base)
     found = []
     for _ in range(DRAWS):
         wrong = np.array(NESTS) + NEST_MM * rng.standard_normal((3, 3))
@@ -78,7 +78,7 @@ def test_a_turned_and_shifted_world_scatters_the_base_and_nothing_else():
     campaign = replace(nominal_campaign(40, robot=ARM), registration=world, nests=exact)
     problem = build(campaign, EFFECTS)
     base = plain_fit(problem)
-    stated = considered(campaign, base)
+    stated = propagate_certificates(campaign, base)
     factor, found = np.linalg.cholesky(covariance), []
     for _ in range(DRAWS):
         again = plain_fit(moved(problem, factor @ rng.standard_normal(6)))
@@ -100,7 +100,7 @@ def test_where_orientations_are_measured_a_turned_world_still_turns_the_base_by_
     oriented = replace(campaign, calibration=points, registration=world)
 
     base = plain_fit(build(oriented, ("base", "tool", "geometry")))
-    stated = considered(oriented, base)
+    stated = propagate_certificates(oriented, base)
 
     turns = [base.structure.index_of(name) for name in ("base_rx", "base_ry", "base_rz")]
     # exactly the world's, but for the pull of the priors

@@ -14,7 +14,7 @@ from tests.helpers.identification.synthetic import drawn, measured, nominal_camp
 from truepose.domain.contacts import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.identification.fit.robust import robust_fit, settled
+from truepose.identification.fit.robust import robust_fit, settled_fit
 from truepose.identification.fit.solver import absorbed, posterior_covariance
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import JointPrior, build, with_belief
@@ -214,7 +214,7 @@ def test_a_reading_that_was_once_left_out_comes_back_where_the_others_hardly_for
 
     for row in range(0, 39, 6):
         without = block.weighted(np.where(np.arange(39) == row, 0.0, 1.0), 0.0)
-        fit = settled(problem.structure, (without,), problem.start)
+        fit = settled_fit(problem.structure, (without,), problem.start)
         assert not fit.gross[0].any(), row
 
 

@@ -7,7 +7,7 @@ from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, N, tell
 from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.identification.problem.build import build
-from truepose.identification.verdict.judge import observed
+from truepose.identification.verdict.judge import observation_block
 
 SECOND = np.arange(PER_PLACEMENT, N)
 
@@ -18,7 +18,7 @@ def problem():
 
 
 def test_legs_from_some_of_the_cups_are_held_against_those_cups(problem):
-    part = observed(telling_legs().legs.taken(SECOND), 0.0, problem.structure)
+    part = observation_block(telling_legs().legs.taken(SECOND), 0.0, problem.structure)
 
     residual = part.result(problem.structure, problem.start, None).residual
 
@@ -30,13 +30,13 @@ def test_legs_from_a_cup_that_the_model_does_not_know_are_refused(problem):
     elsewhere = telling_legs(base_point=np.full(N, 7)).legs
 
     with pytest.raises(ConfigurationError, match="Placement 1, base point 7"):
-        observed(elsewhere, 0.0, problem.structure)
+        observation_block(elsewhere, 0.0, problem.structure)
 
 
 def test_each_kind_says_what_it_is_of(problem):
     points = nominal_campaign(20)
 
-    positions = observed(points.calibration, 0.02, build(points, ("base", "geometry")).structure)
+    positions = observation_block(points.calibration, 0.02, build(points, ("base", "geometry")).structure)
 
     assert (positions.quantity, positions.components, positions.scatter_mm) == ("position", 3, 0.02)
     assert [block.quantity for block in problem.blocks] == ["length"]
@@ -46,7 +46,7 @@ def test_each_kind_says_what_it_is_of(problem):
 def test_what_scatter_adds_is_not_in_the_stated_covariance():
     points = nominal_campaign(20)
 
-    block = observed(points.calibration, 0.5, build(points, ("base", "geometry")).structure)
+    block = observation_block(points.calibration, 0.5, build(points, ("base", "geometry")).structure)
 
     stated = points.calibration.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
     assert block.covariance() == pytest.approx(stated)

@@ -7,7 +7,7 @@ from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.planning.ballbar.arm_model import arm_model
 from truepose.planning.ballbar.expected_information import predicted_error_mm, work_space_sample
 from truepose.planning.ballbar.placements import PlacementRequest, suggest
-from truepose.planning.ballbar.pose_selection import candidates, known_after
+from truepose.planning.ballbar.pose_selection import candidates, information_after
 from truepose.planning.ballbar.poses import setups
 from truepose.planning.errors import TooFewCandidatesError
 
@@ -31,7 +31,7 @@ def test_it_leaves_less_error_than_a_place_by_hand():
     (fixture,) = suggest(CELL, PlacementRequest(poses=60, seed=1, **SHORT)).fixtures
 
     by_search, by_hand = (
-        predicted_error_mm(known_after(model, [candidates(model, place)], [None], 60), sample)
+        predicted_error_mm(information_after(model, [candidates(model, place)], [None], 60), sample)
         for place in (fixture, fixture_before_the_arm())
     )
     assert by_search < 1.05 * by_hand

@@ -13,14 +13,14 @@ from truepose.planning.ballbar.expected_information import (
     WorkSpaceSample,
     error_gradient,
     error_weight,
-    gathered,
+    information_beforehand,
     of_poses,
     pose_rows,
     work_space_sample,
 )
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.prediction.ballbar import promised_at
+from truepose.planning.prediction.ballbar import plan_with_fixtures
 from truepose.planning.prediction.errors import MOST
 from truepose.planning.prediction.plan import WorkVolume
 
@@ -28,7 +28,7 @@ FIXTURES = (fixture_before_the_arm(),)
 
 
 def planned(n=None, fixtures=FIXTURES, **given):
-    return promised_at(domain_cell(), fixtures, n, **given)
+    return plan_with_fixtures(domain_cell(), fixtures, n, **given)
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +122,7 @@ def test_a_motion_of_all_cups_and_nests_together_is_no_error():
 def test_uncertain_tool_nests_make_the_promise_larger_and_are_no_parameters_of_the_arm(plan):
     exact = tuple(replace(nest, standard_uncertainty_mm=0.0) for nest in domain_cell().nests)
 
-    of_exact = promised_at(replace(domain_cell(), nests=exact), FIXTURES)
+    of_exact = plan_with_fixtures(replace(domain_cell(), nests=exact), FIXTURES)
 
     assert of_exact.promised.mean_mm < 0.95 * plan.promised.mean_mm
     assert of_exact.observability.keys() == plan.observability.keys()
@@ -132,9 +132,9 @@ def test_uncertain_tool_nests_make_the_promise_larger_and_are_no_parameters_of_t
 def test_the_measured_triangle_tells_the_sides_between_uncertain_nests_and_nothing_else():
     certain, uncertain = arm_model(ballbar_cell()), arm_model(ballbar_cell(), certified_mm=(0.002,) * 3)
 
-    told = gathered(uncertain).matrix - np.eye(uncertain.parameters)
+    told = information_beforehand(uncertain).matrix - np.eye(uncertain.parameters)
 
-    assert gathered(certain).matrix == pytest.approx(np.eye(certain.parameters))
+    assert information_beforehand(certain).matrix == pytest.approx(np.eye(certain.parameters))
     assert uncertain.parameters == uncertain.own_parameters + 9 == certain.parameters + 9
     assert np.linalg.matrix_rank(told, tol=1e-6) == 3
     assert told[: certain.parameters, : certain.parameters] == pytest.approx(0.0, abs=1e-6)

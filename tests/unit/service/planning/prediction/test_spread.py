@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.prediction.errors import NONE, Discrepancy, drawn_norms, mean_norms, spread
+from truepose.planning.prediction.errors import NONE, Discrepancy, drawn_norms, error_distribution, mean_norms
 
 MAXWELL = 2.0 * np.sqrt(2.0 / np.pi)  # mean norm of three independent normal components of deviation 1
 
@@ -35,7 +35,7 @@ def test_nine_of_ten_other_calibrations_have_their_mean_in_the_interval():
     drawn = errors @ rng.standard_normal((6, 3000))
     means = np.linalg.norm(drawn, axis=1).mean(axis=0)
 
-    low, high = spread(errors, NONE).interval_90_mm
+    low, high = error_distribution(errors, NONE).interval_90_mm
 
     assert np.mean((means >= low) & (means <= high)) == pytest.approx(0.90, abs=0.03)
 
@@ -43,7 +43,7 @@ def test_nine_of_ten_other_calibrations_have_their_mean_in_the_interval():
 def test_what_is_drawn_at_every_place_anew_hardly_widens_the_interval_of_the_mean():
     none = np.zeros((400, 3, 1))
 
-    found = spread(none, Discrepancy(0.1))
+    found = error_distribution(none, Discrepancy(0.1))
 
     assert found.mean_mm == pytest.approx(0.1 * MAXWELL, rel=1e-3)
     low, high = found.interval_90_mm
@@ -53,7 +53,7 @@ def test_what_is_drawn_at_every_place_anew_hardly_widens_the_interval_of_the_mea
 def test_a_discrepancy_that_is_hardly_known_widens_the_interval_and_keeps_the_mean():
     none = np.zeros((400, 3, 1))
 
-    found = spread(none, Discrepancy(0.1, 0.2), 4000)
+    found = error_distribution(none, Discrepancy(0.1, 0.2), 4000)
 
     assert found.mean_mm == pytest.approx(0.1 * MAXWELL, rel=1e-3)
     assert drawn_norms(none, Discrepancy(0.1, 0.2), 4000).mean() == pytest.approx(found.mean_mm, rel=0.02)
@@ -62,12 +62,12 @@ def test_a_discrepancy_that_is_hardly_known_widens_the_interval_and_keeps_the_me
 
 
 def test_where_nothing_is_uncertain_no_error_is_promised():
-    found = spread(np.zeros((4, 3, 2)), NONE)
+    found = error_distribution(np.zeros((4, 3, 2)), NONE)
 
     assert (found.mean_mm, found.worst_mm, found.interval_90_mm) == (0.0, 0.0, (0.0, 0.0))
 
 
 def test_the_worst_is_worse_than_the_mean():
-    found = spread(causes(), NONE)
+    found = error_distribution(causes(), NONE)
 
     assert found.worst_mm > 1.5 * found.mean_mm

@@ -15,7 +15,12 @@ from truepose.identification.observations.poses import position_block
 from truepose.messages.catalogue import english
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.prediction.errors import Discrepancy, mean_norms
-from truepose.planning.prediction.expected_covariance import TYPICAL, ArmKnowledge, PriorKnowledge, stated
+from truepose.planning.prediction.expected_covariance import (
+    TYPICAL,
+    ArmKnowledge,
+    PriorKnowledge,
+    uniform_accuracy,
+)
 from truepose.planning.prediction.plan import BallbarPoses, WorkVolume
 from truepose.planning.prediction.tracker import ExistingReadings, promised_session, session_plan
 from truepose.planning.tracker.path_repair import pool_of
@@ -180,7 +185,9 @@ def test_a_tracker_reads_worse_across_the_beam_and_far_away():
 
     assert near[1, 1] > near[0, 0]
     assert far[0, 0] > near[1, 1]
-    assert stated(0.03).covariance_mm2(beams) == pytest.approx(np.tile(0.03**2 * np.eye(3), (2, 1, 1)))
+    assert uniform_accuracy(0.03).covariance_mm2(beams) == pytest.approx(
+        np.tile(0.03**2 * np.eye(3), (2, 1, 1))
+    )
 
 
 def test_from_nobody_knows_where_a_tracker_reads_alike_along_all_axes():
@@ -209,7 +216,9 @@ def test_the_promise_is_what_simulated_calibrations_attain():
     rng = np.random.default_rng(6)
     calibration, places = draw_candidates(SPACE, 40, rng), draw_candidates(SPACE, 200, rng)
     exact = tuple(replace(nest, standard_uncertainty_mm=0.0) for nest in SPACE.nests)
-    knowledge = ArmKnowledge(SPACE, calibration, PriorKnowledge(accuracy=stated(READING_MM), nests=exact))
+    knowledge = ArmKnowledge(
+        SPACE, calibration, PriorKnowledge(accuracy=uniform_accuracy(READING_MM), nests=exact)
+    )
 
     told = knowledge.told(calibration.joints_rad, calibration.nest)
     errors = knowledge.errors(told, knowledge.places(places.joints_rad, places.nest))
@@ -251,9 +260,9 @@ def test_a_tracker_that_stands_in_a_fixed_nest_sees_it_equally_well_along_all_ax
 def test_however_exact_readings_are_what_they_do_not_show_stays_as_unknown_as_it_was(reading_mm):
     exact = replace(SPACE, robot=replace(SPACE.robot, repeatability_mm=0.0))
 
-    few = planned(4, space=exact, knowns=PriorKnowledge(accuracy=stated(reading_mm)))
+    few = planned(4, space=exact, knowns=PriorKnowledge(accuracy=uniform_accuracy(reading_mm)))
 
-    usual = planned(4, space=exact, knowns=PriorKnowledge(accuracy=stated(1e-3)))
+    usual = planned(4, space=exact, knowns=PriorKnowledge(accuracy=uniform_accuracy(1e-3)))
     assert few.promised.mean_mm == pytest.approx(usual.promised.mean_mm, rel=1e-4)
 
 

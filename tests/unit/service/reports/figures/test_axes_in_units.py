@@ -5,7 +5,7 @@ import pytest
 from matplotlib.font_manager import fontManager
 
 from truepose.messages.units import KEPT, Units
-from truepose.reports.figures.canvas import marked_in, new_figure, page_style
+from truepose.reports.figures.canvas import mark_axis, new_figure, page_style
 
 INCH = Units.of(["inch", "rad", "f"])
 
@@ -28,7 +28,7 @@ def axes_to(right, *, log=False):
 def test_marks_stand_at_whole_inches():
     axes = axes_to(254.0)
 
-    marked_in(axes.xaxis, INCH.conversion("mm"))
+    mark_axis(axes.xaxis, INCH.conversion("mm"))
 
     found = marks(axes.xaxis)
     assert found["4"] == pytest.approx(4 * 25.4)
@@ -38,7 +38,7 @@ def test_marks_stand_at_whole_inches():
 def test_marks_of_decades_stand_at_round_parts_of_an_inch():
     axes = axes_to(10.0, log=True)
 
-    marked_in(axes.xaxis, INCH.conversion("mm"))
+    mark_axis(axes.xaxis, INCH.conversion("mm"))
 
     assert marks(axes.xaxis)["0.02"] == pytest.approx(0.508)
     assert list(axes.xaxis.get_minor_locator()()) == []
@@ -47,7 +47,7 @@ def test_marks_of_decades_stand_at_round_parts_of_an_inch():
 def test_marks_of_temperatures_count_from_their_own_zero():
     axes = axes_to(100.0)
 
-    marked_in(axes.xaxis, INCH.conversion("°C"))
+    mark_axis(axes.xaxis, INCH.conversion("°C"))
 
     assert marks(axes.xaxis)["80"] == pytest.approx(48.0 / 1.8)
 
@@ -56,7 +56,7 @@ def test_an_axis_of_kept_values_stays_as_it_was():
     axes = axes_to(254.0)
     before = axes.xaxis.get_major_locator()
 
-    marked_in(axes.xaxis, KEPT.conversion("mm"))
+    mark_axis(axes.xaxis, KEPT.conversion("mm"))
 
     assert axes.xaxis.get_major_locator() is before
 

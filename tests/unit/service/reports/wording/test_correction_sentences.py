@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of
 from tests.helpers.identification.synthetic import configurations
-from truepose.correction import Summary, correct, meant_by_joints
+from truepose.correction import Summary, correct, goals_of_joints
 from truepose.domain.campaign import Stops
 from truepose.domain.correction import CorrectionTotals
 from truepose.messages.catalogue import english
@@ -49,7 +49,7 @@ def test_nothing_is_said_of_a_zone_that_holds_all_targets(known, word):
 def test_a_model_that_does_not_know_its_uncertainty_promises_nothing():
     lone = parameters_of("geometry", [("a_3", 0.2, "mm")])
     model = model_of(IRB_120, *lone, covariance=np.full((1, 1), np.nan))
-    goals, summary = meant_by_joints(model, Stops(np.arange(3), configurations(3))), Summary()
+    goals, summary = goals_of_joints(model, Stops(np.arange(3), configurations(3))), Summary()
     summary.add(["P1", "P2", "P3"], correct(model, goals))
 
     done, said, *_ = correction_sentences(summary.totals)

@@ -5,10 +5,10 @@ import pytest
 from truepose.reports.rounding import (
     MISSING,
     exact,
+    format_rounded,
     interval,
     millimetres,
     p_value,
-    rounded,
     uncertainty,
     with_uncertainty,
 )
@@ -28,7 +28,7 @@ from truepose.reports.rounding import (
     ],
 )
 def test_a_value_ends_at_the_second_digit_of_its_uncertainty(value, u, text):
-    assert rounded(value, u) == text
+    assert format_rounded(value, u) == text
 
 
 @pytest.mark.parametrize(("value", "text"), [(0.0996, "0.10"), (0.00471, "0.0047"), (9.8e-10, "9.8e-10")])
@@ -37,7 +37,7 @@ def test_an_uncertainty_has_two_digits(value, text):
 
 
 def test_what_is_not_a_number_is_shown_as_missing():
-    assert rounded(math.nan, 0.1) == millimetres(math.inf) == MISSING
+    assert format_rounded(math.nan, 0.1) == millimetres(math.inf) == MISSING
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 
 from truepose.domain.session import IdentityTaken
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.identity_check import KnownDevice, accepted, judge, sentence
+from truepose.sessions.engine.identity_check import KnownDevice, acceptance_entry, judge, sentence
 
 A, B, C = "390003", "777777", "391111"
 
@@ -27,7 +27,7 @@ def met(*answers, expected="", device="tracker"):
         if found is not None:
             record.append(found)
         if person is not None:
-            record.append(accepted(found, person))
+            record.append(acceptance_entry(found, person))
     return known_device(device, record)
 
 
@@ -160,6 +160,6 @@ def test_another_robot_is_not_for_a_person_to_accept():
 
 
 def test_who_accepted_what_in_whose_place_is_told():
-    text = sentence(accepted(IdentityTaken("tracker", "foreign", B, A), "Eva"))
+    text = sentence(acceptance_entry(IdentityTaken("tracker", "foreign", B, A), "Eva"))
 
     assert all(part in english(text) for part in ("Eva", A, B))

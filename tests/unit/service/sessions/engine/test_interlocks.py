@@ -9,7 +9,7 @@ import pytest
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.interlocks import MotionConditions, what_forbids_motion
+from truepose.sessions.engine.interlocks import MotionConditions, motion_obstacle
 from truepose_drivers.api import JointReading
 
 AT = (0.1, -0.2)
@@ -27,12 +27,12 @@ IN_ORDER = MotionConditions(
 
 
 def test_nothing_speaks_against_a_motion_when_everything_is_in_order():
-    assert what_forbids_motion(IN_ORDER, (0.5, 0.5), LIMITS) is None
+    assert motion_obstacle(IN_ORDER, (0.5, 0.5), LIMITS) is None
 
 
 @pytest.mark.parametrize("state", [state for state in SessionState if state is not SessionState.RUNNING])
 def test_only_a_running_session_moves(state):
-    assert "nothing moves" in english(what_forbids_motion(replace(IN_ORDER, state=state), AT, LIMITS))
+    assert "nothing moves" in english(motion_obstacle(replace(IN_ORDER, state=state), AT, LIMITS))
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_only_a_running_session_moves(state):
     ],
 )
 def test_one_thing_wrong_forbids_motion_and_is_named(wrong, sentence):
-    assert sentence in english(what_forbids_motion(replace(IN_ORDER, **wrong), AT, LIMITS))
+    assert sentence in english(motion_obstacle(replace(IN_ORDER, **wrong), AT, LIMITS))
 
 
 @pytest.mark.parametrize(
@@ -64,23 +64,23 @@ def test_one_thing_wrong_forbids_motion_and_is_named(wrong, sentence):
     ],
 )
 def test_a_target_outside_the_limits_is_never_sent(target, sentence):
-    assert sentence in english(what_forbids_motion(IN_ORDER, target, LIMITS))
+    assert sentence in english(motion_obstacle(IN_ORDER, target, LIMITS))
 
 
 def test_the_limit_itself_is_inside():
-    assert what_forbids_motion(IN_ORDER, (1.0, -1.0), LIMITS) is None
+    assert motion_obstacle(IN_ORDER, (1.0, -1.0), LIMITS) is None
 
 
 def test_the_protocols_rounding_is_no_motion_by_others():
     rounded = JointReading((AT[0] + math.radians(0.005), AT[1]), math.radians(0.01), 100.0)
 
-    assert what_forbids_motion(replace(IN_ORDER, reading=rounded), AT, LIMITS) is None
+    assert motion_obstacle(replace(IN_ORDER, reading=rounded), AT, LIMITS) is None
 
 
 def test_after_a_person_confirmed_it_does_not_matter_where_the_arm_was_left():
     moved = replace(IN_ORDER, left_at_rad=None, reading=JointReading((0.9, 0.9), 1e-4, 100.0))
 
-    assert what_forbids_motion(moved, AT, LIMITS) is None
+    assert motion_obstacle(moved, AT, LIMITS) is None
 
 
 # Of every condition one value that is in order, first, and all kinds that are not.
@@ -102,7 +102,7 @@ def test_of_all_combinations_of_conditions_one_moves_the_arm():
     let_through = []
     for *values, target in combinations:
         conditions = replace(IN_ORDER, **dict(zip(EVERY, values, strict=True)))
-        if what_forbids_motion(conditions, target, LIMITS) is None:
+        if motion_obstacle(conditions, target, LIMITS) is None:
             let_through.append((values, target))
 
     assert len(combinations) == 9 * 2 * 2 * 2 * 2 * 4 * 3 * 3

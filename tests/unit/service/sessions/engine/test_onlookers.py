@@ -1,6 +1,6 @@
 """What only looks on while a session is under way."""
 
-from truepose.sessions.engine.runner import looked_on
+from truepose.sessions.engine.runner import with_onlookers
 
 
 async def test_a_session_that_ends_at_once_leaves_nobody_who_was_never_asked():
@@ -9,7 +9,7 @@ async def test_a_session_that_ends_at_once_leaves_nobody_who_was_never_asked():
     async def look():
         asked.append(1)
 
-    async with looked_on([look]):
+    async with with_onlookers([look]):
         pass  # over before the onlooker had its turn
 
     assert asked == []

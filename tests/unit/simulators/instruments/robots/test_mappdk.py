@@ -12,10 +12,10 @@ from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.clients import ProgramStoppedError
 from truepose_simulators.instruments.robot.kinematics import (
+    displayed_deg,
     flange_angles_deg,
     joints_rad,
     rotation_of,
-    shown_deg,
     world,
 )
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
@@ -50,7 +50,7 @@ def test_the_flange_turns_as_in_fanucs_own_simulator(row):
 
 @given(joints=st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6))
 def test_what_is_shown_says_where_the_joints_are(joints):
-    assert joints_rad(shown_deg(np.array(joints))) == pytest.approx(joints, abs=1e-12)
+    assert joints_rad(displayed_deg(np.array(joints))) == pytest.approx(joints, abs=1e-12)
 
 
 @given(angles=st.tuples(st.floats(-180, 180), st.floats(-90, 90), st.floats(-180, 180)))

@@ -5,7 +5,7 @@ import struct
 from truepose_drivers.leica_emscon.protocol import FrameReader, decode_request, encode
 from truepose_simulators.instruments.leica_emscon.conversation import Dialogue
 from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp, Wait
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 
 OK, NOT_IMPLEMENTED, NO_DISTANCE, NOT_INITIALIZED = 0, 2, 37, 39
 MILLIMETER, METER, INCH = 1, 0, 5
@@ -37,7 +37,7 @@ class Server:
         await self.ask(7)
 
     async def go_to_fixed_nest(self, number=1):
-        target = seen_from(self.cell.tracker.frame, self.cell.fixed_nests_mm()[number - 1])
+        target = in_tracker_frame(self.cell.tracker.frame, self.cell.fixed_nests_mm()[number - 1])
         return await self.ask(55, struct.pack("<3di", *target, 1))
 
 

@@ -13,7 +13,7 @@ from tests.unit.simulators.instruments.trackers.emscon_server import (
     event,
 )
 from truepose_simulators.instruments.accuracy import ProbeSetup
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 
 CONTINUOUS_TIME = 1
 REACHED = 28
@@ -37,7 +37,7 @@ def members(packet):
 async def test_values_come_in_blocks_until_their_number_is_reached(make_cell):
     server = await server_with(make_cell)
     await server.go_to_fixed_nest(1)
-    true = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
+    true = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
 
     accepted, *blocks = await server.ask(49)
 

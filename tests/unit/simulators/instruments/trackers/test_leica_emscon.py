@@ -20,7 +20,7 @@ from tests.unit.simulators.instruments.trackers.emscon_server import (
 from truepose_drivers.leica_emscon.protocol import StatusChange, encode, exchange
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
 from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp
-from truepose_simulators.instruments.tracker import TrackerSetup, seen_from
+from truepose_simulators.instruments.tracker import TrackerSetup, in_tracker_frame
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ async def test_the_last_status_is_kept_for_whoever_asks(server):
 async def test_a_measurement_is_answered_at_once_and_followed_by_the_short_result(server):
     await server.start()
     await server.go_to_fixed_nest(1)
-    true = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
+    true = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
     started_s = server.cell.clock.now_s
 
     accepted, result = await server.ask(49)
@@ -132,7 +132,7 @@ async def test_units_after_power_up_are_metre_and_radian(server):
 
 async def test_lengths_follow_the_units_in_both_directions(server):
     await server.start(INCH)
-    target = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1]) / 25.4
+    target = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1]) / 25.4
 
     found = await server.ask(55, struct.pack("<3di", *target, 1))
     _, result = await server.ask(49)
@@ -161,7 +161,7 @@ async def test_a_stored_length_stays_the_same_length_when_the_unit_changes(serve
 async def test_every_coordinate_type_shows_the_same_point_and_takes_it_back(server, kind):
     await server.start()
     await server.go_to_fixed_nest(2)
-    x, y, z = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1])
+    x, y, z = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1])
     bearing, radius, distance = np.arctan2(y, x), np.hypot(x, y), np.linalg.norm((x, y, z))
     zenith = np.arctan2(radius, z)
     expected = {
@@ -186,7 +186,7 @@ async def test_every_coordinate_type_shows_the_same_point_and_takes_it_back(serv
 async def test_stated_deviations_follow_the_coordinate_type(server):
     await server.start()
     await server.go_to_fixed_nest(2)
-    distance = np.linalg.norm(seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1]))
+    distance = np.linalg.norm(in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1]))
 
     await server.ask(26, struct.pack("<i", 7))
     _, result = await server.ask(49)
@@ -201,7 +201,7 @@ async def test_stated_deviations_follow_the_coordinate_type(server):
 async def test_orientation_and_transformation_apply_only_when_their_flags_are_set(server):
     await server.start()
     await server.go_to_fixed_nest(1)
-    x, y, z = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
+    x, y, z = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0])
     quarter = np.pi / 2
     await server.ask(12, struct.pack("<6d", 1000.0, 0.0, 0.0, 0.0, 0.0, quarter))
     await server.ask(14, struct.pack("<7d", 0.0, 500.0, 0.0, 0.0, 0.0, 0.0, 2.0))
@@ -319,7 +319,7 @@ async def test_an_angle_or_distance_that_is_no_number_is_refused(server, command
 
 async def test_the_search_radius_decides_what_a_search_finds(server):
     await server.start()
-    beside = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0] + (0.0, 0.0, 30.0))
+    beside = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[0] + (0.0, 0.0, 30.0))
 
     await server.ask(43, struct.pack("<di", 10.0, 1000))
     narrow = await server.ask(55, struct.pack("<3di", *beside, 1))
@@ -331,7 +331,7 @@ async def test_the_search_radius_decides_what_a_search_finds(server):
 
 async def test_look_for_target_returns_the_direction_of_what_it_finds(server):
     await server.start()
-    x, y, z = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[2])
+    x, y, z = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[2])
 
     (found,) = await server.ask(65, struct.pack("<4d", x + 5.0, y, z, 50.0))
     (direction,) = await server.ask(66)
@@ -343,7 +343,7 @@ async def test_look_for_target_returns_the_direction_of_what_it_finds(server):
 
 async def test_go_and_measure_is_one_answer_and_the_result(server):
     await server.start()
-    target = seen_from(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1])
+    target = in_tracker_frame(server.cell.tracker.frame, server.cell.fixed_nests_mm()[1])
 
     accepted, result = await server.ask(135, struct.pack("<3d", *target))
 

@@ -11,7 +11,7 @@ from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded
 from truepose_simulators.instruments.accuracy import ProbeSetup
-from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.rigid import register
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ToolSetup
@@ -30,7 +30,7 @@ async def server_with(make_cell, probe=None, **changes) -> Server:
 
 def true_pose(cell) -> np.ndarray:
     """The frame of the tool's nests in the tracker's, shape (4, 4)."""
-    places = seen_from(cell.tracker.frame, cell.nests_at_mm(cell.clock.now_s))
+    places = in_tracker_frame(cell.tracker.frame, cell.nests_at_mm(cell.clock.now_s))
     return register(np.array(cell.scenario.tool.nests_mm), places)
 
 

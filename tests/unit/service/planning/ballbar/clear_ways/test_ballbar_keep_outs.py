@@ -14,7 +14,7 @@ from truepose.planning.ballbar.placements import PlacementRequest, suggest
 from truepose.planning.ballbar.plan import plan_at
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.prediction.ballbar import promised_at
+from truepose.planning.prediction.ballbar import plan_with_fixtures
 
 FIXTURE = fixture_before_the_arm()
 LID = HalfSpace("lid", (0.0, 0.0, 740.0), (0.0, 0.0, -1.0))
@@ -77,18 +77,19 @@ def test_the_base_fixture_is_not_put_into_a_volume():
 def test_a_promise_counts_only_poses_outside_and_names_the_volumes_where_they_are_too_few():
     cell = domain_cell()
     kept = replace(cell, limits=replace(cell.limits, keep_outs=UNDER_LID.keep_outs))
-    offered = promised_at(kept, [FIXTURE]).curve[-1].n
+    offered = plan_with_fixtures(kept, [FIXTURE]).curve[-1].n
 
     assert offered == len(reach(UNDER_LID, FIXTURE))
     with pytest.raises(TooFewCandidatesError, match="keep-out volumes as well: lid"):
-        promised_at(kept, [FIXTURE], offered + 1)
+        plan_with_fixtures(kept, [FIXTURE], offered + 1)
 
 
 def test_a_volume_far_from_everything_changes_nothing():
     far = KeepOuts((Box("far", (5000.0, 5000.0, 0.0), (6000.0, 6000.0, 100.0)),))
 
     plans = [
-        promised_at(domain_cell(limits=CellLimits(keep_outs=k)), [FIXTURE], 12) for k in (KeepOuts(), far)
+        plan_with_fixtures(domain_cell(limits=CellLimits(keep_outs=k)), [FIXTURE], 12)
+        for k in (KeepOuts(), far)
     ]
 
     assert np.array_equal(plans[0].joints_rad, plans[1].joints_rad)

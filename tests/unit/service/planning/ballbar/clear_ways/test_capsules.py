@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from truepose.planning.workspace.capsules import (
-    joined,
+    join_capsules,
     lowest_mm,
     segment_distances,
     smallest_gap,
@@ -53,7 +53,7 @@ def test_a_gap_is_the_distance_less_both_radii_and_negative_inside():
     inside = still([(np.array([5.0, 1.0, 0.0]), np.array([5.0, 2.0, 0.0]))], 3.0)
 
     assert smallest_gap(first, apart) == pytest.approx([4.0])
-    assert smallest_gap(first, joined([apart, inside])) == pytest.approx([-4.0])
+    assert smallest_gap(first, join_capsules([apart, inside])) == pytest.approx([-4.0])
 
 
 def test_nothing_is_infinitely_far_away():

@@ -10,7 +10,7 @@ from tests.helpers.ballbar.early_sessions import plan_of
 from tests.helpers.ballbar.true_session import TrueArm
 from truepose.domain.cell import BallbarKit
 from truepose.domain.robot import FramePlacement
-from truepose.planning.ballbar.length_forecast import SessionForecast, known_beforehand
+from truepose.planning.ballbar.length_forecast import SessionForecast, forecast_lengths
 
 
 @pytest.fixture(scope="module")
@@ -103,13 +103,13 @@ def test_a_plan_for_another_arm_or_without_set_ups_says_nothing_of_lengths(plan)
         replace(placement, setups=placement.setups[:2]),
         replace(placement, poses=(replace(placement.poses[0], legs=((4, 1),)),)),
     ):
-        assert known_beforehand(domain_cell(), replace(plan, placements=(other,)), kit) is None
-    assert known_beforehand(domain_cell(), replace(plan, placements=()), kit) is None
-    assert known_beforehand(domain_cell(), plan, kit) is not None
+        assert forecast_lengths(domain_cell(), replace(plan, placements=(other,)), kit) is None
+    assert forecast_lengths(domain_cell(), replace(plan, placements=()), kit) is None
+    assert forecast_lengths(domain_cell(), plan, kit) is not None
 
 
 def test_a_tool_with_unknown_nests_says_nothing_of_lengths(plan):
-    assert known_beforehand(replace(domain_cell(), nests=()), plan, BallbarKit()) is None
+    assert forecast_lengths(replace(domain_cell(), nests=()), plan, BallbarKit()) is None
 
 
 def test_a_plan_whose_cups_are_all_at_one_place_says_nothing_of_lengths(plan):
@@ -119,4 +119,4 @@ def test_a_plan_whose_cups_are_all_at_one_place_says_nothing_of_lengths(plan):
     at_the_cup = tuple(replace(pose, joints_rad=held) for pose in placement.poses)
     other = replace(placement, setups=same, poses=at_the_cup)
 
-    assert known_beforehand(domain_cell(), replace(plan, placements=(other,)), BallbarKit()) is None
+    assert forecast_lengths(domain_cell(), replace(plan, placements=(other,)), BallbarKit()) is None

@@ -8,7 +8,7 @@ from truepose.planning.ballbar.arm_model import Scatter, arm_model
 from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.expected_information import (
     error_weight,
-    gathered,
+    information_beforehand,
     of_poses,
     pose_rows,
     predicted_error_mm,
@@ -20,7 +20,7 @@ from truepose.planning.ballbar.pose_selection import (
     candidates,
     choose,
     exchanged_for_error,
-    known_after,
+    information_after,
     least_error_first,
 )
 from truepose.planning.ballbar.poses import setups
@@ -68,7 +68,7 @@ def test_a_pose_with_fewer_legs_says_less_and_nothing_wrong():
 
 
 def test_what_is_known_grows_with_every_configuration():
-    few, many = (known_after(MODEL, [OFFER], [np.arange(n)]) for n in (10, 60))
+    few, many = (information_after(MODEL, [OFFER], [np.arange(n)]) for n in (10, 60))
 
     assert predicted_error_mm(many, SPACE) < predicted_error_mm(few, SPACE)
 
@@ -76,7 +76,7 @@ def test_what_is_known_grows_with_every_configuration():
 def test_the_predicted_error_is_that_of_drawn_sessions():
     # Parameters drawn from what remains unknown, positions taken relative to the cups: 400 draws of a mean
     # square over the whole space know its root to better than 10 %.
-    known = known_after(MODEL, [OFFER], [None])
+    known = information_after(MODEL, [OFFER], [None])
     rng = np.random.default_rng(1)
     drawn = rng.multivariate_normal(np.zeros(len(known.matrix)), np.linalg.inv(known.matrix), 400)
     arm, cups = drawn[:, : MODEL.parameters], 10.0 * drawn[:, MODEL.parameters :].reshape(400, 3, 3)
@@ -111,7 +111,7 @@ def test_set_ups_and_sides_are_worth_something():
 
 def test_priors_of_the_arm_count_once_whatever_the_number_of_placements():
     own = setting_information(MODEL, FIXTURE.cups_mm, None)
-    nothing = gathered(MODEL)
+    nothing = information_beforehand(MODEL)
 
     twice = with_placement(with_placement(nothing, own, FIXTURE.cups_mm), own, FIXTURE.cups_mm + 100.0)
 
@@ -124,10 +124,10 @@ def test_the_choice_is_better_than_chance():
     (chosen,) = choose(MODEL, [OFFER], 30, rng, SPACE)
     random = [rng.choice(len(OFFER), 30, replace=False) for _ in range(20)]
 
-    errors = [predicted_error_mm(known_after(MODEL, [OFFER], [rows]), SPACE) for rows in random]
+    errors = [predicted_error_mm(information_after(MODEL, [OFFER], [rows]), SPACE) for rows in random]
 
     assert len(chosen) == len(set(chosen.tolist())) == 30
-    assert predicted_error_mm(known_after(MODEL, [OFFER], [chosen]), SPACE) < min(errors)
+    assert predicted_error_mm(information_after(MODEL, [OFFER], [chosen]), SPACE) < min(errors)
 
 
 def test_no_more_than_there_is_can_be_chosen():
@@ -137,7 +137,7 @@ def test_no_more_than_there_is_can_be_chosen():
 
 
 def test_an_exchange_ends_where_no_single_one_lowers_the_error_by_a_thousandth():
-    prior = known_after(MODEL, [OFFER], [np.zeros(0, dtype=np.int64)])
+    prior = information_after(MODEL, [OFFER], [np.zeros(0, dtype=np.int64)])
     rows = np.concatenate([OFFER.rows.arm, OFFER.rows.cups], axis=2)[:24]
     weight = error_weight(FIXTURE.cups_mm, SPACE)
 
@@ -176,9 +176,9 @@ def test_more_scatter_is_a_larger_error():
     loose = arm_model(CELL, Scatter(stop_mm=0.1))
     offer = candidates(loose, FIXTURE, HELD)
 
-    error = predicted_error_mm(known_after(loose, [offer], [None]), SPACE)
+    error = predicted_error_mm(information_after(loose, [offer], [None]), SPACE)
 
-    assert error > predicted_error_mm(known_after(MODEL, [OFFER], [None]), SPACE)
+    assert error > predicted_error_mm(information_after(MODEL, [OFFER], [None]), SPACE)
 
 
 def test_an_unreachable_placement_offers_nothing_to_choose_from():

@@ -11,7 +11,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import all_branches
 from truepose.planning.ballbar.bodies import chain_of
-from truepose.planning.ballbar.length_targets import aimed, aimed_pose
+from truepose.planning.ballbar.length_targets import aim_joints, aimed_pose
 from truepose.planning.errors import AimError
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
@@ -75,7 +75,7 @@ def test_lengths_that_no_joints_give_are_refused():
     pose = POSES[0]
 
     with pytest.raises(AimError, match=r"Joint \d would have to turn by more than 8 deg"):
-        aimed(lengths_of(pose), pose.joints_rad, np.array([340.0, 260.0] * 3))
+        aim_joints(lengths_of(pose), pose.joints_rad, np.array([340.0, 260.0] * 3))
 
 
 def test_joints_that_would_leave_their_range_are_refused():
@@ -99,20 +99,20 @@ def test_more_legs_than_joints_are_refused_where_they_contradict():
     lengths = nominal_lengths(CELL, FIXTURE.cups_mm, legs)
     wanted = lengths(np.array([pose.joints_rad]))[0]
 
-    assert aimed(lengths, pose.joints_rad, wanted) == pytest.approx(np.array(pose.joints_rad))
+    assert aim_joints(lengths, pose.joints_rad, wanted) == pytest.approx(np.array(pose.joints_rad))
     with pytest.raises(AimError, match="are left"):
-        aimed(lengths, pose.joints_rad, wanted + 0.5 * (np.arange(7) == 6))
+        aim_joints(lengths, pose.joints_rad, wanted + 0.5 * (np.arange(7) == 6))
 
 
 def test_a_model_without_an_answer_is_refused():
     pose = POSES[0]
 
     with pytest.raises(AimError, match="gives no lengths"):
-        aimed(lambda joints: np.full((len(joints), 6), np.nan), pose.joints_rad, np.full(6, 300.0))
+        aim_joints(lambda joints: np.full((len(joints), 6), np.nan), pose.joints_rad, np.full(6, 300.0))
 
 
 def test_lengths_of_another_number_are_refused():
     pose = POSES[0]
 
     with pytest.raises(ConfigurationError, match="5 lengths are wanted of 6 legs"):
-        aimed(lengths_of(pose), pose.joints_rad, np.full(5, 300.0))
+        aim_joints(lengths_of(pose), pose.joints_rad, np.full(5, 300.0))
