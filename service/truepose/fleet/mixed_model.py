@@ -351,11 +351,14 @@ def _opened(start: Variances) -> Variances:
 
 
 def _em(at: Posterior) -> Variances:
-    """Return the variances after a step of EM: v <- mean_i (d_i^2 + S_i), of days likewise."""
+    """Return the variances after a step of EM: v <- mean_i (d_i^2 + S_i), of days likewise.
+
+    At most 1, as with a step of the evidence.
+    """
     spread = np.diagonal(at.deviation_covariance, axis1=1, axis2=2)
     robot = (at.deviation**2 + spread).mean(axis=0)
     days, left = _days(at)
-    return Variances(np.maximum(robot, _NONE), max(float((days + left).mean()), _NONE))
+    return _within_stated(robot, float((days + left).mean()))
 
 
 def _evidence(at: Posterior) -> Variances:
@@ -371,6 +374,10 @@ def _evidence(at: Posterior) -> Variances:
     # Where the readings tell nothing, nothing is told of the size either: it stays.
     robot = np.where(told > 1e-6, (at.deviation**2).sum(axis=0) / told, before)
     day = float(days.sum()) / told_days if told_days > 1e-6 else at.variances.day
+    return _within_stated(robot, day)
+
+
+def _within_stated(robot: FloatArray, day: float) -> Variances:
     return Variances(np.clip(robot, _NONE, 1.0), float(np.clip(day, _NONE, 1.0)))
 
 

@@ -92,6 +92,15 @@ def test_a_general_optimiser_finds_the_same():
     assert ours == pytest.approx(-best.fun, abs=0.02)  # twenty times what a step must still gain
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_robots_that_differ_by_more_than_was_stated_differ_by_what_was_stated(seed):
+    variances = estimate(
+        Equations(drawn(seed, robot=(3.0, 2.0, 3.0), day=3.0, readings=40).fleet())
+    ).variances
+
+    assert max(*variances.robot, variances.day) <= 1.0
+
+
 def test_no_step_lowers_the_likelihood():
     equations = Equations(drawn(5, robot=(0.5, 0.0, 0.0), day=0.0).fleet())
     start = estimate(equations)
