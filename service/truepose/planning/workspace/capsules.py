@@ -20,6 +20,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.cell import Box, Cylinder, HalfSpace, KeepOut, KeepOuts
 
 _TINY_MM2: Final = 1e-12  # squared length below which a segment is a point
+_PARALLEL: Final = 1e-12  # squared sine between segments, below which rounding says where they are nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +204,8 @@ def segment_distances(p1: FloatArray, q1: FloatArray, p2: FloatArray, q2: FloatA
     safe_a, safe_e = np.maximum(a, _TINY_MM2), np.maximum(e, _TINY_MM2)
     # Of parallel lines any s will do: t, and s once more, are then the nearest beside it.
     denominator = a * e - b * b
-    s = np.where(denominator > _TINY_MM2, (b * f - c * e) / np.maximum(denominator, _TINY_MM2), 0.0)
+    crossing = denominator > _PARALLEL * safe_a * safe_e
+    s = np.where(crossing, (b * f - c * e) / np.where(crossing, denominator, 1.0), 0.0)
     s = np.clip(s, 0.0, 1.0)
     t = np.clip((b * s + f) / safe_e, 0.0, 1.0)
     s = np.clip((b * t - c) / safe_a, 0.0, 1.0)

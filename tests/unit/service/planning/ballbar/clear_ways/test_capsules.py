@@ -33,6 +33,14 @@ def test_segments_are_as_far_apart_as_one_sees(first, second, expected):
     assert distance(*second, *first) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("size_mm", [1e-3, 1.0, 1e3])
+def test_nearly_parallel_segments_are_as_far_apart_in_any_unit(size_mm):
+    lean = 1e-4  # of the second, which crosses over the middle of the first
+    ends = size_mm * np.array([[-1, 0, 0], [1, 0, 0], [-1, -lean, 0.1], [1, lean, 0.1]])
+
+    assert segment_distances(*ends) == pytest.approx(0.1 * size_mm, rel=1e-12)
+
+
 def test_no_two_points_of_segments_are_nearer_than_their_distance():
     rng = np.random.default_rng(0)
     ends = rng.normal(size=(4, 200, 3))
