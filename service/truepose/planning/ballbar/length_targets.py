@@ -30,15 +30,7 @@ from truepose.planning.errors import AimError, ArmInTheWayError
 SPAN_MM: Final = 0.7
 
 
-@dataclass(frozen=True, slots=True)
-class Code:
-    """Levels of the lengths of one pose, in the order of its legs."""
-
-    offsets_mm: tuple[float, ...]  # from the nominal length, all different
-    spacing_mm: float  # between neighbouring levels; 0 for a single leg
-
-
-def coded_lengths(n_legs: int, turn: int = 0) -> Code:
+def coded_lengths(n_legs: int, turn: int = 0) -> tuple[float, ...]:
     """Return the offsets of n legs from the nominal length.
 
     Parameters
@@ -50,9 +42,9 @@ def coded_lengths(n_legs: int, turn: int = 0) -> Code:
 
     Returns
     -------
-    Code
-        Legs that follow each other are two levels apart or more where there are five legs or more; of three
-        and four some are neighbours.
+    tuple of float
+        [mm] in the order of the legs, all different, their levels evenly spread. Legs that follow each other
+        are two levels apart or more where there are five legs or more; of three and four some are neighbours.
 
     Raises
     ------
@@ -62,10 +54,10 @@ def coded_lengths(n_legs: int, turn: int = 0) -> Code:
     if n_legs < 1:
         raise ConfigurationError(f"{n_legs} legs cannot be coded; a pose has at least one.")
     if n_legs == 1:
-        return Code((0.0,), 0.0)
+        return (0.0,)
     spacing = 2.0 * SPAN_MM / (n_legs - 1)
     levels = ((level + turn) % n_legs for level in _interleaved(n_legs))
-    return Code(tuple(spacing * level - SPAN_MM for level in levels), spacing)
+    return tuple(spacing * level - SPAN_MM for level in levels)
 
 
 def _interleaved(n: int) -> list[int]:
@@ -208,8 +200,8 @@ def aimed_pose(
     for turn in range(len(pose.legs)):
         # Another turn gives the levels to other legs: one of six codes may be reached where the
         # others are not.
-        code = coded_lengths(len(pose.legs), pose.config + turn)
-        wanted = tuple(nominal_mm + offset for offset in code.offsets_mm)
+        offsets_mm = coded_lengths(len(pose.legs), pose.config + turn)
+        wanted = tuple(nominal_mm + offset for offset in offsets_mm)
         try:
             joints = aim_joints(lengths, pose.joints_rad, wanted, ranges)
         except AimError as refusal:

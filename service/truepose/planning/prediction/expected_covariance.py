@@ -17,7 +17,6 @@ the priors. All derivatives are taken at the nominal robot: errors of some 0.1 %
 as much.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -200,8 +199,6 @@ class ArmKnowledge:
     candidates : Candidates
         Configurations that the effects are chosen by: what they show.
     knowns : PriorKnowledge
-    effects : sequence of str, optional
-        By default those that `identify` takes by itself.
 
     Raises
     ------
@@ -209,15 +206,9 @@ class ArmKnowledge:
         Fixed nests lie on a line, or a belief is of parameters that are none of this arm.
     """
 
-    def __init__(
-        self,
-        space: WorkSpace,
-        candidates: Candidates,
-        knowns: PriorKnowledge,
-        effects: Sequence[str] | None = None,
-    ) -> None:
+    def __init__(self, space: WorkSpace, candidates: Candidates, knowns: PriorKnowledge) -> None:
         campaign = _as_known(nominal_campaign(space, candidates), knowns)
-        problem = build(campaign, tuple(effects or automatic_effects(campaign)))
+        problem = build(campaign, automatic_effects(campaign))
         problem = problem if knowns.believed is None else with_belief(problem, knowns.believed)
         self.structure: Structure = problem.structure
         self._start = problem.start

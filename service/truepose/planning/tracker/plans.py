@@ -68,7 +68,6 @@ def plan_calibration(
     n: int,
     seed: int,
     *,
-    effects: tuple[str, ...] | None = None,
     n_candidates: int = N_CANDIDATES,
 ) -> SessionPlan:
     """Choose n configurations by observability, put them in random order, revisit some at the end.
@@ -80,8 +79,6 @@ def plan_calibration(
         Number of different configurations; the revisits come on top.
     seed : int
         The same seed gives the same plan.
-    effects : tuple of str, optional
-        What is to be identified; by default base, geometry, and compliance where masses are known.
     n_candidates : int
         Random candidates to choose from.
 
@@ -102,7 +99,7 @@ def plan_calibration(
     """
     rng = _generator(seed, "calibration")
     candidates = draw_candidates(space, max(n, n_candidates), rng)
-    jacobians = scaled_jacobians(space, candidates, effects)
+    jacobians = scaled_jacobians(space, candidates)
     chosen = choose_calibration(jacobians, n, rng).indices
     order = rng.permutation(chosen)  # a slow drift then looks like noise, not like a joint's error
     order = order[clear_order(space, candidates.joints_rad[order])]
