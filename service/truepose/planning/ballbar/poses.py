@@ -369,7 +369,9 @@ def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray
     own = _frame_with_z(tool_normal(cell.nests_mm)).T
     rotations, tilts = [], []
     for tilt in np.radians(_TILTS_DEG):
-        for lean in (rotation_x(tilt), rotation_x(-tilt), rotation_y(tilt), rotation_y(-tilt)):
+        # Without a tilt it is the same about whichever axis.
+        leans = (rotation_x(tilt), rotation_x(-tilt), rotation_y(tilt), rotation_y(-tilt))
+        for lean in leans if tilt else leans[:1]:
             rotations.append(towards @ lean @ own)
             tilts.append(np.full(_SPINS, tilt))
     return np.concatenate(rotations), np.concatenate(tilts)

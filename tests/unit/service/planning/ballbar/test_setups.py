@@ -7,7 +7,7 @@ from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_
 from truepose.planning.ballbar.bodies import base_fixture, chain_of, tool_normal
 from truepose.planning.ballbar.clearance import arm_room_mm, bodies_at, without_cups
 from truepose.planning.ballbar.motion_clearance import Stop, Surroundings, can_lift
-from truepose.planning.ballbar.poses import inside, setup_joints, setups
+from truepose.planning.ballbar.poses import inside, orientations_facing, setup_joints, setups
 from truepose.planning.errors import WorkSpaceError
 
 
@@ -41,6 +41,13 @@ def test_but_for_the_two_cups_about_the_ball_everything_keeps_its_room():
         bodies = bodies_at(cell, fixture, np.array([setup.joints_rad]))
         assert arm_room_mm(without_cups(bodies, setup.base_point))[0] >= cell.arm_room_mm
         assert can_lift(Surroundings(cell, fixture), Stop(np.array(setup.joints_rad), setup.base_point))
+
+
+def test_each_orientation_above_a_cup_is_tried_once():
+    rotations, tilts = orientations_facing(ballbar_cell(), np.array([0.0, 0.0, 1.0]))
+
+    assert len(np.unique(rotations.round(9), axis=0)) == len(rotations) == len(tilts)
+    assert np.unique(tilts.round(9)) == pytest.approx(np.radians([0.0, 15.0, 30.0, 45.0]))
 
 
 def test_a_cup_out_of_reach_is_named():
