@@ -68,15 +68,12 @@ class InterimCheck:
         In the order of choice.
     nest : ndarray, shape (n,)
         1-based.
-    told_mm : ndarray, shape (n, K)
-        Growth of each cause that is told after so many; inf: none yet.
     enough : bool
-        Whether the last row is within what was asked.
+        Whether they tell what was asked.
     """
 
     joints_rad: FloatArray
     nest: IntArray
-    told_mm: FloatArray
     enough: bool
 
 
@@ -142,12 +139,12 @@ def quick_check(
     known[:p, :p] = knowledge.prior()
     # All causes may have grown at once: what one of them does must not be told of another.
     known[p:, p:] = np.eye(q) / grown_mm**2
-    # With the prior; of the readings alone that is the squared growth over what is needed.
+    # The prior's own precision is 1 of lambda + 1: at the goal the readings alone have the noncentrality
+    # lambda.
     goal = np.repeat(grown_mm**2 / (needed + 1.0), [one.shape[1] for one in each])
     order, reached = _chosen(rows, np.linalg.inv(known), parts, goal, most)
-    told_mm = grown_mm * np.array([_told(one, needed) for one in reached])
     chosen = candidates.subset(order)
-    return InterimCheck(chosen.joints_rad, chosen.nest, told_mm, bool(reached and reached[-1].max() <= 1.0))
+    return InterimCheck(chosen.joints_rad, chosen.nest, bool(reached and reached[-1].max() <= 1.0))
 
 
 def of_one_mm(across: FloatArray, motion_mm2: FloatArray) -> FloatArray:
@@ -180,18 +177,6 @@ def of_one_mm(across: FloatArray, motion_mm2: FloatArray) -> FloatArray:
 def _parts(sizes: Sequence[int]) -> tuple[slice, ...]:
     ends = np.cumsum(sizes).tolist()
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
-
-
-def _told(ratio: FloatArray, needed: FloatArray) -> FloatArray:
-    """Return which growths (K,) readings alone tell, over the asked one; `ratio` of variances to goals.
-
-    With the goal g^2 / (lambda + 1) and the prior g^2, a variance has the precision (lambda + 1) / ratio in
-    those of the prior, of which 1 is the prior's own; the noncentrality of s g is s^2 times the rest, lambda
-    where it is told.
-    """
-    precision = np.maximum((needed + 1.0) / ratio - 1.0, 0.0)  # of readings alone, in those of the prior
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.sqrt(needed / precision))
 
 
 def _chosen(

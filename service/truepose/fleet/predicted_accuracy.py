@@ -139,7 +139,6 @@ class PredictedAccuracy:
 
     pooled: ErrorForecast  # with what the type says
     alone: ErrorForecast  # more readings, as a robot of no known type
-    lacking_mm: float  # per axis: what the usual effects cannot express of this type
     same_mm: float  # mean error of as many readings and the same parameters, from what was stated of them
     needed: int | None  # of these readings for what the type promises; None: more than `MOST`
 
@@ -183,9 +182,9 @@ def promise(
         As `draw_candidates` and `planning.prediction.plan.sample`.
     """
     known = knowns or PriorKnowledge()
-    lacking = lacking_mm(belief, typical)
     # As a robot of no known type: what waves and gaps do is then expressed by nothing.
-    more = replace(known, discrepancy=Discrepancy(lacking, _KNOWN_TO), believed=None)
+    lacking = Discrepancy(lacking_mm(belief, typical), _KNOWN_TO)
+    more = replace(known, discrepancy=lacking, believed=None)
     pooled = _Measuring(space, known.believing(belief), readings, seed).promised(readings)
     # With the same parameters, so that what is compared is what the type knows, not that waves and gaps
     # are in the model.
@@ -193,7 +192,6 @@ def promise(
     return PredictedAccuracy(
         pooled,
         _Measuring(space, more, without, seed).promised(without),
-        lacking,
         same.mean_mm(readings),
         same.needed(pooled.mean_mm),
     )

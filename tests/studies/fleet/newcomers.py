@@ -15,6 +15,7 @@ from truepose.fleet.interim_check import quick_check
 from truepose.fleet.predicted_accuracy import (
     PredictedAccuracy,
     as_stated,
+    lacking_mm,
     of_a_new_robot,
     of_robot_now,
     promise,
@@ -81,7 +82,8 @@ def promised(account: Account, truth: FleetTruth) -> Beforehand:
     now = of_robot_now(account, account.fleet.robots[0])
     check = quick_check(space, candidates, now, causes, _GROWN_MM, knowns)
     needed = len(check.nest) if check.enough else 0
-    figures = Promises(truth.seed, said.pooled.mean_mm, said.alone.mean_mm, needed, said.lacking_mm)
+    lacking = lacking_mm(belief, typical)
+    figures = Promises(truth.seed, said.pooled.mean_mm, said.alone.mean_mm, needed, lacking)
     return Beforehand(belief, said, figures, sample(space, WorkVolume(), _PLACES, rng))
 
 

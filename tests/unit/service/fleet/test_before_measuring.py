@@ -69,7 +69,7 @@ def test_few_readings_with_the_type_promise_more_than_many_without(space, belief
 
     assert (found.pooled.n, found.alone.n) == (15, 50)
     assert found.pooled.mean_mm < found.alone.mean_mm
-    assert found.lacking_mm > 0.02  # the wave alone is 0.5 mrad on a lever of some 100 mm
+    assert lacking_mm(belief, campaign) > 0.02  # the wave alone is 0.5 mrad on a lever of some 100 mm
     assert found.is_worth
     assert found.needed > 20  # a robot's 90 parameters from what is stated of any robot
     assert found.same_mm > 2.0 * found.pooled.mean_mm
@@ -109,18 +109,20 @@ def test_a_quick_check_tells_what_was_asked_with_few_configurations(space, belie
 
     assert found.enough
     assert 1 <= len(found.nest) < 40
-    assert np.all(np.diff(found.told_mm[:, 0]) <= 1e-12)
-    assert found.told_mm[-1, 0] <= _LIMIT_MM < found.told_mm[-2, 0]
 
 
-def test_what_a_quick_check_states_is_what_its_information_says(space, belief, knowns):
+@pytest.mark.parametrize(("left_out", "shows"), [(0, True), (1, False)])
+def test_a_quick_check_shows_what_was_asked_with_95_percent_and_no_fewer_configurations_do(
+    space, belief, knowns, left_out, shows
+):
     candidates = draw_candidates(space, 60, np.random.default_rng(1))
     cause = _wave(belief)
     found = quick_check(space, candidates, belief, [cause], _LIMIT_MM, knowns)
     knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
     place = [knowledge.structure.index_of(f"wave_6_100_{part}") for part in ("sin", "cos")]
+    n = len(found.nest) - left_out
     # As one regression: the wave as it was, with what is believed of it, and a second one on top of it.
-    rows = knowledge.told(found.joints_rad, found.nest).rows.reshape(3 * len(found.nest), -1)
+    rows = knowledge.told(found.joints_rad[:n], found.nest[:n]).rows.reshape(3 * n, -1)
     both = np.hstack([rows, rows[:, place]])
     prior = np.zeros((both.shape[1],) * 2)
     prior[: rows.shape[1], : rows.shape[1]] = knowledge.prior()
@@ -132,7 +134,7 @@ def test_what_a_quick_check_states_is_what_its_information_says(space, belief, k
     least = eigvalsh(alone, moved)[0]  # of 1 mm, in the phase in which it shows least
     beyond = ncx2.isf(LEVEL, 2, 0.0)
 
-    assert ncx2.sf(beyond, 2, found.told_mm[-1, 0] ** 2 * least) == pytest.approx(0.95, abs=1e-6)
+    assert (ncx2.sf(beyond, 2, _LIMIT_MM**2 * least) >= 0.95) == shows
 
 
 def test_a_larger_growth_needs_fewer_configurations(space, belief, knowns):
