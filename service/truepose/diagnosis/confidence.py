@@ -39,7 +39,7 @@ from truepose.diagnosis.evidence.residual_structure import (
     as_random_effect,
     prepared_families,
     residual_dependence,
-    test_families,
+    score_families,
 )
 from truepose.diagnosis.evidence.sensitivities import description_of
 from truepose.diagnosis.screening.normal_equations import NormalEquations, Products, Projection, products_of
@@ -154,7 +154,7 @@ def better_families(
     if best is None or best[0] < named + _CLEARLY:
         return ()
     _, family, products = best
-    (alone,) = test_families(((family, products),), past)
+    (alone,) = score_families(((family, products),), past)
     chance = min(1.0, len(families) * alone.p_value)
     return (Relation(family.variable, chance, family.kind, family.joint, family, products=products),)
 

@@ -141,7 +141,7 @@ def prepared_families(fit: RobustFit, scene: Scene) -> tuple[Prepared, ...]:
     return tuple(found)
 
 
-def test_families(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
+def score_families(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
     """Test every family past what is fitted.
 
     Parameters
@@ -336,7 +336,7 @@ def residual_dependence(
             one.family,
             products=one.products,
         )
-        for one in test_families(families, past)
+        for one in score_families(families, past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
     found += _waves(start, selected, without, refuted)

@@ -204,7 +204,7 @@ def test_an_ability_that_fails_is_refused_with_the_name_of_what_is_installed(bro
         def goes_on(self, *told):
             raise ValueError("three is no joint")
 
-        automatic = left_open = sums = unmodelled = softness = is_unbounded_in_time
+        automatic = left_open = sums = unmodelled = softness = goes_on
 
     guarded = brought(acme=Broken()).effects["acme"]
     told = {"goes_on": 1, "automatic": 1, "left_open": 2, "sums": 3, "unmodelled": 2, "softness": 4}[ask]

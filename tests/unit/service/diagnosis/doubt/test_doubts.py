@@ -4,7 +4,7 @@ import pytest
 
 from tests.helpers.diagnosis.selections import left_of, make_selected, make_start
 from truepose.diagnosis.confidence import better_families, owed_to_the_rest
-from truepose.diagnosis.evidence.residual_structure import prepared_families, test_families
+from truepose.diagnosis.evidence.residual_structure import prepared_families, score_families
 
 GAIN = ("joint_gain", "joint 4")
 # no single wave and no gain: five waves of joint 4 at once
@@ -79,7 +79,7 @@ def test_the_chance_of_a_better_family_is_that_of_its_own_score_test(borrowed):
     (relation,) = better_families(selected, selected.picks, families)
 
     past = selected.pool.normal.past(without=("gain_4",))
-    (own,) = [one for one in test_families(families, past) if one.products is relation.products]
+    (own,) = [one for one in score_families(families, past) if one.products is relation.products]
     # Ten waves of up to 0.3 mrad, in readings of 15 um at 300 mm: no chance gives that.
     assert relation.p_value == own.p_value < 1e-9
 

@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.baseline_fit import fit_baseline, scene_of
-from truepose.diagnosis.diagnose import proposed as every_cause
+from truepose.diagnosis.diagnose import propose_candidates as every_cause
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
 from truepose.diagnosis.screening.candidates import pool_candidates

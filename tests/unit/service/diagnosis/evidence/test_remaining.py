@@ -9,7 +9,7 @@ from tests.helpers.diagnosis.selections import make_start
 from truepose.diagnosis.evidence.residual_structure import (
     as_random_effect,
     prepared_families,
-    test_families,
+    score_families,
 )
 from truepose.diagnosis.screening.normal_equations import normal_of
 from truepose.diagnosis.screening.smooth_functions import families, terms_of
@@ -88,7 +88,7 @@ def test_a_variable_that_never_changes_has_none(start):
 def test_noise_alone_is_structure_no_more_often_than_the_level_says(start, prepared):
     rng = np.random.default_rng(8)
 
-    smallest = [test_families(*seen_with(start, prepared, rng))[0].p_value for _ in range(DRAWS)]
+    smallest = [score_families(*seen_with(start, prepared, rng))[0].p_value for _ in range(DRAWS)]
 
     # Bonferroni keeps 5 % or less: 2 of 40 expected at most, 7 and more once in three hundred
     assert sum(p < LEVEL for p in smallest) <= 6
@@ -101,7 +101,7 @@ def test_what_depends_on_a_variable_is_said_to(start, prepared, variable):
     columns = of(prepared, variable).columns
     width = 4.0 / np.sqrt(np.mean(columns**2) * len(columns))  # four times the noise, in all
 
-    found = test_families(*seen_with(start, prepared, np.random.default_rng(2), variable, width))
+    found = score_families(*seen_with(start, prepared, np.random.default_rng(2), variable, width))
 
     assert found[0].family.variable == variable
     assert found[0].p_value < 1e-6

@@ -16,7 +16,7 @@ from truepose.planning.contacts.poses import draw_goals
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.workspace.bodies import bodies_of
 from truepose.planning.workspace.candidates import cosines_in_sight, is_seen
-from truepose.planning.workspace.path_clearance import Ways, what_blocks_a_way
+from truepose.planning.workspace.path_clearance import Ways, path_obstruction
 from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 
 CELL = cell_given("lrmate-tilted")
@@ -121,7 +121,7 @@ def test_on_the_way_from_wire_stop_to_wire_stop_nothing_touches():
 
     stops = np.array([stop.joints_rad for stop in plan.stops])
     ways = Ways(tuple(map(str, range(19))), stops[:-1], stops[1:])
-    assert what_blocks_a_way(bodies_of(cell), ways) is None
+    assert path_obstruction(bodies_of(cell), ways) is None
 
 
 def test_the_same_seed_plans_the_same_stops_and_another_one_others():
