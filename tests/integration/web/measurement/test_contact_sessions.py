@@ -98,7 +98,7 @@ async def test_stops_are_chosen_by_a_job_where_that_is_preferred(wire, app, clie
 
 async def test_a_choice_that_fails_says_so_in_its_job_and_leaves_no_session(app, client, until):
     app.state.context.job_desk._queue._perform = in_thread
-    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
+    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}], "stroke_mm": 5, "margin_mm": 1}
 
     told = await client.post("/api/v1/sessions", json=far, headers=LATER)
     job = await until(told.headers["Location"], "state", "succeeded", "failed")
@@ -127,7 +127,7 @@ async def test_a_cell_without_a_gauge_is_told_when_the_session_starts(client):
 
 
 async def test_what_the_cell_cannot_do_is_refused_with_a_sentence(client):
-    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
+    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}], "stroke_mm": 5, "margin_mm": 1}
 
     reply = await client.post("/api/v1/sessions", json=far)
 
