@@ -42,7 +42,7 @@ from truepose_simulators.instruments.robot.universal_robots_ports import (
     rtde_endpoint,
     script_endpoint,
 )
-from truepose_simulators.instruments.truth import truth_endpoint
+from truepose_simulators.instruments.truth_endpoint import truth_endpoint
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model

@@ -8,7 +8,7 @@ from truepose_drivers.contract import codec_fuzz, hostile
 from truepose_drivers.contract.case import reason_absent, unknown_absences
 from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.link_faults import require_found
+from truepose_drivers.contract.link_recovery import require_found
 
 NAMES = [bench.plugin.name for bench in BENCHES]
 ASKED = [(bench, case) for bench in BENCHES for case in CASES if reason_absent(case, bench()) is None]

@@ -8,7 +8,7 @@ import pytest
 from truepose_drivers.contract.bench import NewBench, find_benches
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.hostile import QUICK_INPUTS
-from truepose_drivers.contract.link_faults import FAULTS_EACH
+from truepose_drivers.contract.link_recovery import FAULTS_EACH
 from truepose_drivers.errors import ConfigurationError
 
 

@@ -9,7 +9,7 @@ from truepose_drivers.contract.bench import NewBench
 from truepose_drivers.contract.case import Case, reason_absent, unknown_absences
 from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.link_faults import require_found
+from truepose_drivers.contract.link_recovery import require_found
 
 Record = Callable[[str, object], None]
 

@@ -51,7 +51,7 @@ from truepose.storage.contents import require_of_cell
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.integrity.monitor import Guard
-from truepose.storage.ledger.additions import AddedStopsRepository, ClosingRepository
+from truepose.storage.ledger.added_stops import AddedStopsRepository, ClosingRepository
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.series import SeriesRepository
 from truepose.storage.ledger.sessions import SessionRepository

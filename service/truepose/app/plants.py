@@ -5,7 +5,7 @@ import contextlib
 from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
 
-from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.fleets.campaign_summaries import CampaignSummaryService
 from truepose.analysis.job_queue.supervisor import perform_in_worker
 from truepose.analysis.page_services import RenderCache, Renderer
 from truepose.app.server import ServiceDefinition, run
@@ -70,7 +70,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         stack.push_async_callback(drawing.kept.close)
         # Who waits for workers elsewhere keeps no report from being drawn.
         asking = drawing if settings.workers is None else Renderer(perform_in_worker, drawing.kept)
-        telling = FleetService.folder(database.file), asking, settings.workers
+        telling = CampaignSummaryService.folder(database.file), asking, settings.workers
         yield PlantContext(
             version=program_version(),
             cell=Place(settings.name),
@@ -85,7 +85,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             told=told,
             changed=RobotsChanged(),
             certificates=PlantCertificates(database),
-            fleets=FleetService(CollectedCampaigns(database), *telling),
+            fleets=CampaignSummaryService(CollectedCampaigns(database), *telling),
             comparisons=Comparisons(database.file),
             drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),

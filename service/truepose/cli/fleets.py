@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.archives import campaigns_of
+from truepose.cli.batch_analysis import campaigns_of
 from truepose.cli.files import (
     Json,
     Language,

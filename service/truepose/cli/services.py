@@ -72,7 +72,7 @@ def demo_command(
 
     Example: truepose demo --out demo --seed 3
     """
-    from truepose.demo.demo import run_demo
+    from truepose.demo.command import run_demo
 
     status = run_demo(out, seed, scenario)
     if status in {0, 1}:

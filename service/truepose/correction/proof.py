@@ -29,7 +29,7 @@ from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.prediction import placed_variance
 from truepose.identification.model.validity import require_same_robot
 from truepose.identification.verdict.judge import expected_noise_mm, mean_norm, observation_block, statistics
-from truepose.identification.verdict.pose_errors import relative_statistics
+from truepose.identification.verdict.relative_accuracy import relative_statistics
 from truepose.messages.message import Message, message
 from truepose.planning.tracker.plans import plan_validation
 from truepose.planning.workspace.candidates import have_room_to_approach

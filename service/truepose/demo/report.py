@@ -15,9 +15,9 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
+from truepose.demo.cell_run import CellRun, SessionRecords
 from truepose.demo.client import PERSON
 from truepose.demo.processes import DATABASE
-from truepose.demo.run import CellRun, SessionRecords
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.domain.cell import Cell
 from truepose.domain.diagnosis import Diagnosis

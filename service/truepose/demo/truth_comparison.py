@@ -11,7 +11,7 @@ rigid motions where the model has DH-Modified rows, so no table of the simulator
 import math
 from dataclasses import dataclass, replace
 
-from truepose.demo.run import CellRun
+from truepose.demo.cell_run import CellRun
 from truepose.demo.truth import TrueReadings
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings

@@ -20,7 +20,7 @@ from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.verdict.outlier_reasons import within_reach
+from truepose.identification.verdict.outliers import within_reach
 from truepose.messages.message import Text, message, together
 
 Progress = Callable[[float, Text], None]

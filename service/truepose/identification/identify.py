@@ -43,8 +43,12 @@ from truepose.identification.problem.build import (
 from truepose.identification.verdict import status as verdict
 from truepose.identification.verdict.identifiability import not_identifiable
 from truepose.identification.verdict.judge import Assessment, judge, pure_error
-from truepose.identification.verdict.outlier_reasons import ReachableCampaign, outliers, within_reach
-from truepose.identification.verdict.pose_errors import judged_by_positions, relative_errors, turn_errors
+from truepose.identification.verdict.outliers import ReachableCampaign, outliers, within_reach
+from truepose.identification.verdict.relative_accuracy import (
+    judged_by_positions,
+    relative_errors,
+    turn_errors,
+)
 from truepose.messages.message import Text, message, together
 from truepose.version import __version__
 

@@ -36,7 +36,7 @@ from truepose.identification.fit.robust import RobustFit, robust_fit
 from truepose.identification.fit.solver import solve
 from truepose.identification.observations.blocks import ObservationBlock, StackedBlocks, linearise_blocks
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.identification.verdict.outlier_reasons import within_reach
+from truepose.identification.verdict.outliers import within_reach
 
 Way = Literal["noise", "configurations"]
 FEWEST: Final = 10  # draws, and configurations, below which a spread says nothing

@@ -19,7 +19,7 @@ from truepose.domain.identification import Anchor, Identification
 from truepose.identification.identify import identify
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.problem_setup import known_placement
-from truepose.identification.verdict.pose_errors import judged_by_positions
+from truepose.identification.verdict.relative_accuracy import judged_by_positions
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import rigid_alignment
 from truepose.kinematics.pose_device import Fixtures, Pose, base_triangle, fourth_cup, least_squares_pose

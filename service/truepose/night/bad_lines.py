@@ -7,7 +7,7 @@ from typing import Final
 from truepose.demo.progress import RunProgress
 from truepose.night.check import Check, at_most, none_of
 from truepose.night.errors import UnknownCaseError
-from truepose_drivers.contract import codec_fuzz, hostile, link_faults
+from truepose_drivers.contract import codec_fuzz, hostile, link_recovery
 from truepose_drivers.contract.bench import NewBench, find_benches
 from truepose_drivers.errors import ConfigurationError
 
@@ -48,7 +48,7 @@ class BadLine:
         with progress.phase("hostile answers"):
             harm = hostile.tally(self.bench, self.inputs, self.seed)
         with progress.phase("faults of the link"):
-            link = link_faults.tally(self.bench, _LINK_FAULTS, self.seed)
+            link = link_recovery.tally(self.bench, _LINK_FAULTS, self.seed)
         examples = [*read.examples, *harm.examples, *link.examples]
         (folder / "examples.txt").write_text("\n".join([*examples, ""]), encoding="utf-8")
         return [*_of_codec(read), *_of_answers(harm), *_of_link(link, self.bench().lost_within_s)]
@@ -76,10 +76,10 @@ def _of_answers(found: hostile.Tally) -> list[Check]:
     ]
 
 
-def _of_link(found: link_faults.LinkTally, lost_within_s: float) -> list[Check]:
+def _of_link(found: link_recovery.RecoveryTally, lost_within_s: float) -> list[Check]:
     return [
         at_most("slowest to be told lost", max(found.lost_s, default=0.0), lost_within_s, "s", 2),
-        at_most("slowest to be back", max(found.back_s, default=0.0), link_faults.BACK_WITHIN_S, "s", 2),
+        at_most("slowest to be back", max(found.back_s, default=0.0), link_recovery.BACK_WITHIN_S, "s", 2),
         _none("stale values taken", found.stale, found.examples),
         _none("links left open", found.left_open, found.examples),
     ]

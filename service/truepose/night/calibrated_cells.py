@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.demo.demo import RESULT, write_result
+from truepose.demo.cell_run import CellRequest, run_cell
+from truepose.demo.command import RESULT, write_result
 from truepose.demo.progress import RunProgress
 from truepose.demo.report import REPORT, write_diagnosis, write_report
-from truepose.demo.run import CellRequest, run_cell
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
 from truepose.night.check import Check, at_most, convergence_check
 

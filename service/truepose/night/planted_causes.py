@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from truepose.demo.run import CellRequest
+from truepose.demo.cell_run import CellRequest
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.exchange.cells.file import scenario_text
 from truepose.night.calibrated_cells import CalibratedCell, found, list_findings

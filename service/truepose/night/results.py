@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from rich.console import Console
 from rich.table import Table
 
-from truepose.demo.demo import RESULT
+from truepose.demo.command import RESULT
 from truepose.demo.report import REPORT
 from truepose.exchange.json_text import Json, render_json
 from truepose.night.check import Check, NightCase, NightRequest

@@ -14,7 +14,7 @@ from truepose.sessions.engine.identity_check import same_number
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.errors import CertificateError
 from truepose.storage.errors import ConflictError
-from truepose.storage.ledger.additions import ClosingRepository
+from truepose.storage.ledger.added_stops import ClosingRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import SessionRecord
 

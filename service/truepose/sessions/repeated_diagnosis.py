@@ -4,7 +4,7 @@ from truepose.analysis.campaigns.records import CampaignService
 from truepose.analysis.jobs import JobService
 from truepose.domain.errors import TrueposeError, text_of
 from truepose.messages.message import message
-from truepose.storage.ledger.additions import AddedStopsRepository
+from truepose.storage.ledger.added_stops import AddedStopsRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import DiagnosisRecord
 from truepose.storage.results.campaigns import CampaignRepository

@@ -37,7 +37,7 @@ from truepose.identification.distributions import chi2_exceeded, holm
 from truepose.identification.model.estimates import Estimate, identified_estimate, nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import COUNTERPARTS
-from truepose.identification.verdict.pose_errors import aligned_errors, relative_errors
+from truepose.identification.verdict.relative_accuracy import aligned_errors, relative_errors
 from truepose.kinematics.frames import placement_translation, rigid_alignment
 
 FAR_WIDTHS: Final = 10.0  # of a prior: measured arms have values up to 3 widths from their expectation

@@ -26,7 +26,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.identification import Model, Statistics
 from truepose.domain.validation import FigureUncertainty, UncertaintyPair, ValidationUncertainty
 from truepose.identification.verdict.judge import Assessment
-from truepose.identification.verdict.pose_errors import aligned_errors, rigid_motions
+from truepose.identification.verdict.relative_accuracy import aligned_errors, rigid_motions
 from truepose.validation.distance_errors import Distances
 
 ROUNDING_MM: Final = 1e-6  # scatter of a reading whose file states none worth the name

@@ -27,7 +27,7 @@ from truepose.domain.validation import (
 from truepose.identification import judge
 from truepose.identification.model.validity import DIRECTIONS
 from truepose.identification.verdict.judge import Assessment
-from truepose.identification.verdict.pose_errors import relative_errors, turn_errors
+from truepose.identification.verdict.relative_accuracy import relative_errors, turn_errors
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.inverse import BRANCH_NAMES, branch_of, has_closed_form
 from truepose.validation.distance_errors import distances

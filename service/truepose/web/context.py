@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from truepose.sessions.simulated import FaultService, SimulatedOperatorService
     from truepose.sessions.tracker.service import TrackerSessions
     from truepose.storage.database import Database
-    from truepose.storage.ledger.additions import ClosingRepository
+    from truepose.storage.ledger.added_stops import ClosingRepository
     from truepose.storage.ledger.series import SeriesRepository
     from truepose.storage.ledger.sessions import SessionRepository
     from truepose.storage.ledger.tracker_readings import ReadingRepository

@@ -9,7 +9,7 @@ import numpy as np
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.instruments.truth import plant_document
+from truepose_simulators.instruments.truth_endpoint import plant_document
 from truepose_simulators.physics.contacts import BallAtSensor, Contact, Plane, PlaneAtSensor, Sphere
 from truepose_simulators.physics.effects import Conditions
 from truepose_simulators.physics.effects.ports import NestNumbers

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.truth import plant_document
+from truepose_simulators.instruments.truth_endpoint import plant_document
 from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.recording.campaign import Points, Recording, References

@@ -20,7 +20,7 @@ import numpy as np
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ReplayError
 from truepose_simulators.instruments.tracker import in_tracker_frame
-from truepose_simulators.instruments.truth import plant_document
+from truepose_simulators.instruments.truth_endpoint import plant_document
 from truepose_simulators.physics.effects import Conditions, IdentifiedEffect
 from truepose_simulators.physics.effects.effect import COMPONENTS
 from truepose_simulators.physics.effects.thermal_growth import LENGTHS_HOLD_C

@@ -37,9 +37,9 @@ def dumped(file: Path) -> bytes:
 
 def main() -> None:
     """Run the demo and keep what it leaves."""
+    from truepose.demo.cell_run import CellRequest, run_cell
     from truepose.demo.processes import DATABASE
     from truepose.demo.progress import progress_bar
-    from truepose.demo.run import CellRequest, run_cell
 
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder, progress_bar() as progress:
         asyncio.run(run_cell(CellRequest("irb120-clean", 3, 24, 6), Path(folder), progress))

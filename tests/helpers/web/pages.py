@@ -44,4 +44,4 @@ class Page(HTMLParser):
 def leave_pictures_empty(patch):
     """Let reports put their pictures together and not paint them, which takes most of the time."""
     empty = '<svg height="1pt" width="1pt" viewBox="0 0 1 1"></svg>'
-    patch.setattr("truepose.reports.figures.canvas._write_svg", lambda _, file: file.write(empty))
+    patch.setattr("truepose.reports.figures.svg_rendering._write_svg", lambda _, file: file.write(empty))

@@ -25,7 +25,7 @@ from truepose_drivers.api import Environment
 from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.hostile import require_unharmed
-from truepose_drivers.contract.link_faults import require_found
+from truepose_drivers.contract.link_recovery import require_found
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,

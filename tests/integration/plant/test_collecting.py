@@ -101,7 +101,7 @@ async def test_a_further_visit_brings_what_came_since_and_nothing_twice(plant, c
 @pytest.mark.parametrize(
     ("room", "point"),
     [
-        (visiting, "verified"),  # received
+        (visiting, "verify_page"),  # received
         (journal, "position"),  # verified; the transaction has begun
         (journal, "project"),  # rows are in the transaction
         (journal, "newest_branch"),  # before anything
@@ -186,7 +186,7 @@ async def test_the_same_page_kept_twice_is_refused(plant, cell):
     known = await plant.journal.collected(await plant.journal.reached("left arm"))
     await cell.measure(name="second")
     await plant.visit(cell, transport=Between(cell, lines_changed(noted)))
-    links, _ = visiting.verified(seen[:4], known.position, known.heads)
+    links, _ = visiting.verify_page(seen[:4], known.position, known.heads)
 
     with pytest.raises(ConflictError):
         await plant.journal.keep(known.branch, links, None)
@@ -224,11 +224,11 @@ def test_a_session_told_without_its_secret_is_still_that_of_its_link(moved):
     told = {"id": 1, "recorded_at": "2026", "name": "first", "role": "calibration", "setup": "{}"}
     line = {"link": 1, "stream": 1, "record": "sessions", "record_id": 1, "hash": "00" * 32, "told": told}
 
-    (link,), _ = visiting.verified([line], 0, {})
+    (link,), _ = visiting.verify_page([line], 0, {})
 
     assert not link.verified
     with pytest.raises(TamperedRecordError, match=r"of the sessions .* is not as"):
-        visiting.verified([line | moved], 0, {})
+        visiting.verify_page([line | moved], 0, {})
 
 
 @pytest.mark.parametrize("record", ["readings", "sessions"])
@@ -360,7 +360,7 @@ async def test_a_newer_cell_with_a_table_that_nobody_knows_is_collected_and_veri
     found = linked_hash(GENESIS, "later", tuple(row), tuple(row.values()))
     line = {"link": 1, "stream": 0, "record": "later", "record_id": 1, "hash": found.hex(), "row": row}
 
-    links, _ = visiting.verified([line], 0, {})
+    links, _ = visiting.verify_page([line], 0, {})
 
     assert (links[0].record, links[0].verified) == ("later", True)
 

@@ -15,8 +15,8 @@ from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
 from truepose.analysis.archive import in_database
 from truepose.analysis.errors import ClusterError
+from truepose.analysis.fleets.campaign_summaries import CampaignSummaryService
 from truepose.analysis.fleets.campaigns import tell
-from truepose.analysis.fleets.service import FleetService
 from truepose.analysis.job_queue.tasks import stored_campaign
 from truepose.analysis.parallel import local_pool
 from truepose.analysis.parallel.tasks import Cluster
@@ -164,8 +164,8 @@ async def test_what_came_before_workers_were_lost_is_kept(service, campaigns, mo
     monkeypatch.setattr(local_pool, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
     await collect(service, campaigns)
     database = service.here.database
-    desk = FleetService(
-        CollectedCampaigns(database), FleetService.folder(database.file), Here(), "dask://away:1"
+    desk = CampaignSummaryService(
+        CollectedCampaigns(database), CampaignSummaryService.folder(database.file), Here(), "dask://away:1"
     )
 
     with pytest.raises(ClusterError, match="The workers are gone"):

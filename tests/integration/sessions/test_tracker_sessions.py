@@ -19,7 +19,7 @@ from truepose.sessions.errors import NotNowError
 from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.errors import ServerAwayError
-from truepose.storage.ledger.additions import AddedStopsRepository
+from truepose.storage.ledger.added_stops import AddedStopsRepository
 from truepose.storage.records import RequestKey, SessionSetup
 
 _PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 1) for k in (1, 2)))

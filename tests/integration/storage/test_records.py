@@ -22,7 +22,7 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage import tables
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
-from truepose.storage.ledger.additions import AddedStopsRepository
+from truepose.storage.ledger.added_stops import AddedStopsRepository
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.ledger.tracker_readings import ReadingRepository

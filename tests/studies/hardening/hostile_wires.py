@@ -12,7 +12,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from truepose_drivers.contract import codec_fuzz, hostile, link_faults
+from truepose_drivers.contract import codec_fuzz, hostile, link_recovery
 from truepose_drivers.contract.bench import find_benches
 
 _EVERY = "tests.contract.devices.every:BENCHES"
@@ -38,15 +38,15 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--bytes", type=int, default=hostile.QUICK_INPUTS, help="hostile inputs to a codec")
     parser.add_argument("--runs", type=int, default=hostile.QUICK_INPUTS, help="answers spoiled")
-    parser.add_argument("--faults", type=int, default=link_faults.FAULTS_EACH, help="faults of each link")
+    parser.add_argument("--faults", type=int, default=link_recovery.FAULTS_EACH, help="faults of each link")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--driver", action="append", help="only this one; may be repeated")
     options = parser.parse_args()
     benches = list(find_benches([_EVERY], options.driver).values())
     codecs = [codec_fuzz.tally(bench, options.bytes, options.seed) for bench in benches]
     tallies = [hostile.tally(bench, options.runs, options.seed) for bench in benches]
-    links = [link_faults.tally(bench, options.faults, options.seed) for bench in benches]
-    lines = [*table(codecs, _OF_CODECS), "", *table(tallies, _COLUMNS), "", *map(link_faults.line, links)]
+    links = [link_recovery.tally(bench, options.faults, options.seed) for bench in benches]
+    lines = [*table(codecs, _OF_CODECS), "", *table(tallies, _COLUMNS), "", *map(link_recovery.line, links)]
     sys.stdout.writelines(f"{line}\n" for line in lines)
     options.out.mkdir(parents=True, exist_ok=True)
     document = {

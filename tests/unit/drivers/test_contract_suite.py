@@ -8,7 +8,7 @@ from typing import ClassVar
 import pytest
 
 from truepose_drivers.api import BallbarReading, DeviceIdentity, DriverPlugin
-from truepose_drivers.contract import codec_fuzz, hostile, link_faults
+from truepose_drivers.contract import codec_fuzz, hostile, link_recovery
 from truepose_drivers.contract.bench import BallbarBench, find_benches, messages
 from truepose_drivers.contract.case import ContractBrokenError, reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
@@ -128,7 +128,7 @@ def test_hostile_inputs_and_link_faults_find_a_careless_driver():
     with pytest.raises(ContractBrokenError, match="harmed"):
         hostile.require_unharmed(CarelessBench, 50)
     with pytest.raises(ContractBrokenError, match="stale"):
-        link_faults.require_found(CarelessBench, 20)
+        link_recovery.require_found(CarelessBench, 20)
 
 
 def test_bytes_that_a_codec_stumbles_over_are_told():

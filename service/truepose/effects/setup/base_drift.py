@@ -7,7 +7,9 @@ move by rate times way (`effects.drifts`).
 from dataclasses import replace
 
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.drifts import (
+from truepose.effects.motions import without_times
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
+from truepose.effects.rigid_drifts import (
     LINEAR,
     describe_drift,
     drift_candidates,
@@ -15,8 +17,6 @@ from truepose.effects.drifts import (
     drift_terms,
     is_endless_drift,
 )
-from truepose.effects.motions import without_times
-from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.messages.message import Text, message, together
 
 NAME = "base_drift"

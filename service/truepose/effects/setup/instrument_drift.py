@@ -8,7 +8,9 @@ now and then: they stand still beside a base that moves.
 from dataclasses import replace
 
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.drifts import (
+from truepose.effects.motions import without_times
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.effects.rigid_drifts import (
     LINEAR,
     describe_drift,
     drift_candidates,
@@ -16,8 +18,6 @@ from truepose.effects.drifts import (
     drift_terms,
     is_endless_drift,
 )
-from truepose.effects.motions import without_times
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.messages.message import Text, message, together
 
 NAME = "instrument_drift"

@@ -17,7 +17,7 @@ from truepose.exchange.models.rigid_arm import (
     table_text,
     values_text,
 )
-from truepose.exchange.models.urdf import urdf_remarks, urdf_text
+from truepose.exchange.models.urdf_export import urdf_remarks, urdf_text
 from truepose.exchange.robots.ros_calibrated_kinematics import kinematics_remarks, kinematics_text
 from truepose.messages.message import Message
 

@@ -84,7 +84,7 @@ _TIP: Final = re.compile(r"(?P<file>.+\.urdf)#(?P<tip>.+)", re.IGNORECASE)
 
 def _read_urdf(path: Path) -> RobotWithTool:
     """Read a URDF; behind a `#` stands the link at its tip."""
-    from truepose.exchange.robots.urdf import read_urdf
+    from truepose.exchange.robots.urdf_import import read_urdf
 
     name, tip = _and_tip(path.name)
     return RobotWithTool(read_urdf(path.with_name(name), tip=tip).robot, nests=())

@@ -23,7 +23,7 @@ from truepose.domain.robot import Robot
 from truepose.exchange.document import Node, read_bytes
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.models.rigid_arm import Subject, remarks
-from truepose.exchange.models.urdf import joint_origin, roll_pitch_yaw
+from truepose.exchange.models.urdf_export import joint_origin, roll_pitch_yaw
 from truepose.exchange.quantities import limits_of
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
 from truepose.kinematics.joint_axes import JointAxis, table_of

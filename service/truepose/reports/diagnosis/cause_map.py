@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 from truepose.domain.diagnosis import Diagnosis, EffectSize, Finding
 from truepose.effects.signatures import place_of
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import (
+from truepose.reports.figures.svg_rendering import (
     AFTER,
     GRID,
     INK,

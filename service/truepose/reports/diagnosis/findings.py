@@ -37,8 +37,8 @@ from truepose.reports.cause_words import (
     worth_words,
 )
 from truepose.reports.diagnosis.rows import own_text, ruled_out_table
-from truepose.reports.figures.canvas import AFTER, INK, mark_axis, new_figure, page_style, to_svg
 from truepose.reports.figures.residuals import CurveFigure, residual_curve
+from truepose.reports.figures.svg_rendering import AFTER, INK, mark_axis, new_figure, page_style, to_svg
 from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
 from truepose.reports.tables import Table
 

@@ -24,10 +24,18 @@ from truepose.reports.diagnosis.cause_map import MapEntry, cause_map, map_pictur
 from truepose.reports.diagnosis.findings import finding_blocks
 from truepose.reports.diagnosis.rows import described_rows, described_sentence, ruled_out_table
 from truepose.reports.error_tables import error_table, figures_row
-from truepose.reports.figures.canvas import AFTER, INK, label, mark_axis, new_figure, page_style, to_svg
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.histograms import comparison
 from truepose.reports.figures.residuals import CurveFigure, residual_curve
+from truepose.reports.figures.svg_rendering import (
+    AFTER,
+    INK,
+    label,
+    mark_axis,
+    new_figure,
+    page_style,
+    to_svg,
+)
 from truepose.reports.identification.parameters import parameter_cells, parameter_table
 from truepose.reports.pages import capitalise
 from truepose.reports.report import Description, Report

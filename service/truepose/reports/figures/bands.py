@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.messages.catalogue import Catalogue
-from truepose.reports.figures.canvas import (
+from truepose.reports.figures.svg_rendering import (
     AFTER,
     BEFORE,
     MUTED,

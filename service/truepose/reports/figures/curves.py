@@ -14,7 +14,7 @@ from truepose.domain.identification import Statistics
 from truepose.domain.validation import DistanceBin, ErrorsByPlace
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.reports.figures.canvas import Colours, Drawing, mark_axis, new_figure, on_page, plain
+from truepose.reports.figures.svg_rendering import Colours, Drawing, mark_axis, new_figure, on_page, plain
 
 _STEEP: Final = 20.0  # times the error at the end: what follows would lie on the axis
 

@@ -12,7 +12,7 @@ from truepose.domain.correction import CorrectedTargets
 from truepose.domain.diagnosis import HeldOutErrors
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import (
+from truepose.reports.figures.svg_rendering import (
     AFTER,
     BEFORE,
     INK,

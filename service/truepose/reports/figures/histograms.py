@@ -12,7 +12,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import Colours, Drawing, mark_axis, new_figure, on_page, plain
+from truepose.reports.figures.svg_rendering import Colours, Drawing, mark_axis, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 
 

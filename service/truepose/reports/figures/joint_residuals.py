@@ -14,7 +14,17 @@ from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Assessment
 from truepose.kinematics.chain import theta_gradient
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, mark_axis, new_figure, page_style, to_svg
+from truepose.reports.figures.svg_rendering import (
+    AFTER,
+    MUTED,
+    X,
+    Y,
+    Z,
+    mark_axis,
+    new_figure,
+    page_style,
+    to_svg,
+)
 
 _COLUMNS = 3
 _DIRECTIONS = ("joints.along_motion", "joints.along_axis", "joints.away")

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.messages.catalogue import Catalogue
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.figures.canvas import (
+from truepose.reports.figures.svg_rendering import (
     AFTER,
     BEFORE,
     MUTED,

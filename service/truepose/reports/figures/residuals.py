@@ -14,7 +14,15 @@ from truepose.domain.diagnosis import Curve
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, message, together
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.figures.canvas import Colours, Drawing, label, mark_axis, new_figure, on_page, plain
+from truepose.reports.figures.svg_rendering import (
+    Colours,
+    Drawing,
+    label,
+    mark_axis,
+    new_figure,
+    on_page,
+    plain,
+)
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself

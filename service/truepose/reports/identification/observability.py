@@ -15,7 +15,7 @@ from truepose.domain.identification import Model, NotIdentifiable, Parameter
 from truepose.identification.verdict.identifiability import UNDETERMINED
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text, message, together
-from truepose.reports.figures.canvas import (
+from truepose.reports.figures.svg_rendering import (
     Colours,
     Drawing,
     new_figure,

@@ -22,12 +22,12 @@ from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.situation import Situation, situation
 from truepose.sessions.ballbar.valid_readings import counting
-from truepose.sessions.controller import SessionController
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.errors import NotNowError
+from truepose.sessions.kind_service import SessionKindService
 from truepose.sessions.requests import RequestsUnderWay
 from truepose.sessions.service import Attendance, SessionService
 from truepose.storage.ledger.entries import SessionLedger
@@ -83,7 +83,7 @@ ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarPlanRequest], Awaitable[
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
 
-class BallbarSessions(SessionController[BallbarRunner]):
+class BallbarSessions(SessionKindService[BallbarRunner]):
     """Sessions in which a person in the cell connects the ballbar."""
 
     roles = frozenset({"ballbar"})

@@ -20,16 +20,16 @@ from truepose.planning.workspace.path_clearance import Ways, path_obstruction, p
 from truepose.sessions.contact.dry_run import check_plan
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
-from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.errors import MissingDeviceError, PlanRefusedError
+from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.storage.ledger.entries import SessionLedger
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
 
-class ContactSessions(PromptingSessionController[ContactRunner]):
+class ContactSessions(UnattendedSessionService[ContactRunner]):
     """Sessions in which gauges are read against targets that stand still."""
 
     roles = frozenset({"contacts"})

@@ -8,21 +8,21 @@ from truepose.domain.cell import Cell
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.messages.message import Message, Text, message
-from truepose.planning.tracker.additions import Addition, WantedStop, addition
+from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
 from truepose.planning.workspace.bodies import CellBodies, bodies_of, first_obstruction
 from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings, ways_between
-from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.errors import NotNowError, PlanRefusedError
+from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, motion_limits
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.sessions.tracker.state import situation
 from truepose.sessions.tracker.steps import extended_plan
-from truepose.storage.ledger.additions import AddedStopsRepository
+from truepose.storage.ledger.added_stops import AddedStopsRepository
 from truepose.storage.ledger.entries import SessionLedger
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
@@ -79,7 +79,7 @@ class WantedStops:
     diagnosis_id: int | None = None  # which proposed them, to be run again
 
 
-class TrackerSessions(PromptingSessionController[TrackerRunner]):
+class TrackerSessions(UnattendedSessionService[TrackerRunner]):
     """Sessions in which the tracker measures and nobody is in the cell."""
 
     roles = frozenset({"calibration", "validation"})

@@ -25,7 +25,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, text_from, to_document
 from truepose.storage.engine.dialects import entries_at, is_object_at, length_at, text_at
 from truepose.storage.errors import ConflictError, NotFoundError
-from truepose.storage.ledger.additions import additions_to, stops_added_to
+from truepose.storage.ledger.added_stops import additions_to, stops_added_to
 from truepose.storage.ledger.pose_counts import measured_poses, skipped_poses
 from truepose.storage.queries import NumberedRecords
 from truepose.storage.record_insertion import add_event, add_row, answered_number, once

@@ -14,8 +14,8 @@ from truepose.web.schemas import Point, Reply
 
 if TYPE_CHECKING:
     from truepose.domain.arrays import FloatArray
-    from truepose.reports.error_space import ErrorSpace, Pose
-    from truepose.reports.plan_space import PlanSpace
+    from truepose.reports.error_vectors_3d import ErrorSpace, Pose
+    from truepose.reports.plan_3d import PlanSpace
 
 
 StopState: TypeAlias = Literal["measured", "skipped", "to_come"]
@@ -154,6 +154,6 @@ async def _space(here: Context, model_id: int | None, campaign_id: int) -> Space
 
 
 def _drawn(model: Model, content: bytes) -> SpaceReply:
-    from truepose.reports.error_space import error_space
+    from truepose.reports.error_vectors_3d import error_space
 
     return space_reply(error_space(model, judging_or_own(stored_campaign(content))))

@@ -6,7 +6,7 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
-from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.fleets.campaign_summaries import CampaignSummaryService
 from truepose.analysis.page_services import Renderer
 from truepose.people.accounts import PeopleService
 from truepose.plant.calibration_due import DueAfter
@@ -48,7 +48,7 @@ class PlantContext:
     changed: RobotsChanged
     certificates: PlantCertificates
     due: DueAfter
-    fleets: FleetService
+    fleets: CampaignSummaryService
     comparisons: Comparisons
     drawing_desk: Renderer
     collector: Collector

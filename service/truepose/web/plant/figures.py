@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from truepose.analysis.fleets.service import CollectedCampaign
+from truepose.analysis.fleets.campaign_summaries import CollectedCampaign
 from truepose.storage.caches import to_bytes
 from truepose.storage.plant.overview import ResultFacts
 

@@ -126,7 +126,7 @@ async def test_a_server_that_is_away_does_not_have_the_service_ended(database_ov
 async def test_a_server_that_is_silent_for_long_does_not_have_the_service_ended_either(database, monkeypatch):
     for name, seconds in {"_KEPT_S": 0.0, "_PATIENCE_S": 0.01, "_SILENT_S": 0.0}.items():
         monkeypatch.setattr(health, name, seconds)
-    monkeypatch.setattr(health, "counted", lambda _database: asyncio.sleep(60))
+    monkeypatch.setattr(health, "record_counts", lambda _database: asyncio.sleep(60))
     lookout = HealthMonitor(database, NoDevices(), make_setup().cell, None, lambda: 0)
 
     first, later = [(await lookout.state()).records for _ in range(2)]

@@ -151,7 +151,7 @@ async def test_a_database_that_is_late_is_a_service_until_it_stays_silent(client
     async def never(database):
         await asyncio.Event().wait()
 
-    monkeypatch.setattr(f"{LOOKING}.counted", never)
+    monkeypatch.setattr(f"{LOOKING}.record_counts", never)
     monkeypatch.setattr(f"{LOOKING}._PATIENCE_S", 0.0)
     monkeypatch.setattr(f"{LOOKING}._KEPT_S", 0.0)
     monkeypatch.setattr(f"{LOOKING}._SILENT_S", 0.0)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.identification.framed import FRAME, U_MM, model_with_frame, readings
 from truepose.identification import judge
-from truepose.identification.verdict.pose_errors import relative_errors
+from truepose.identification.verdict.relative_accuracy import relative_errors
 from truepose.validation.distance_errors import distances
 from truepose.validation.validate import validate
 

@@ -16,7 +16,7 @@ import pytest
 from tests.helpers.checkout import CHECKOUT
 from tests.system.processes_left import descendants, named, running_after
 from tests.thorough.integration.deployment.images import environment, install
-from truepose.demo.demo import DemoSize, run_demo
+from truepose.demo.command import DemoSize, run_demo
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.models.file import read_model
 from truepose.exchange.results.identification import identification_document
@@ -41,7 +41,7 @@ def of_size(calibration, validation):
     size = f"DemoSize({calibration}, {validation})"
     return (
         "-c",
-        "import sys; from pathlib import Path; from truepose.demo.demo import DemoSize, run_demo; "
+        "import sys; from pathlib import Path; from truepose.demo.command import DemoSize, run_demo; "
         f"raise SystemExit(run_demo(Path(sys.argv[1]), 5, {SCENARIO!r}, {size}))",
     )
 

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from truepose.demo.run import CellRequest
+from truepose.demo.cell_run import CellRequest
 from truepose.night.calibrated_cells import (
     CalibratedCell,
     calibrated_cells,

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.fleets.campaign_summaries import CampaignSummaryService
 from truepose.storage.plant.queries import ResultRecord
 
 CAMPAIGN = ResultRecord(
@@ -24,7 +24,9 @@ async def test_a_plant_that_was_begun_anew_is_not_told_what_another_robot_told(t
     monkeypatch.setattr("truepose.analysis.fleets.campaigns.tell", lambda content, _seed: b"of " + content)
 
     def desk():
-        return FleetService(Campaigns(), FleetService.folder(tmp_path / "plant.sqlite3"), Drawing())
+        return CampaignSummaryService(
+            Campaigns(), CampaignSummaryService.folder(tmp_path / "plant.sqlite3"), Drawing()
+        )
 
     (first,) = await desk().told([CAMPAIGN])
     (kept,) = await desk().known([CAMPAIGN])

@@ -7,8 +7,8 @@ import shutil
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from truepose.cli import archives
-from truepose.cli.archives import watch_command
+from truepose.cli import batch_analysis
+from truepose.cli.batch_analysis import watch_command
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.points_with_joints import Stated, arrivals, read_stated
 from truepose.exchange.errors import BadValueError, MissingFileError
@@ -78,7 +78,7 @@ def test_only_what_two_looks_find_alike_is_taken_and_only_once(inbox, monkeypatc
         if number == 9:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(archives.time, "sleep", between)
+    monkeypatch.setattr(batch_analysis.time, "sleep", between)
     taken = []
 
     with pytest.raises(KeyboardInterrupt):
@@ -89,7 +89,7 @@ def test_only_what_two_looks_find_alike_is_taken_and_only_once(inbox, monkeypatc
 
 
 def recorded(inbox, taken):
-    for arrival in archives._whole(inbox, once=False):
+    for arrival in batch_analysis._whole(inbox, once=False):
         taken.append((arrival.name, arrival.states))
         yield from ()
 

@@ -8,7 +8,7 @@ from truepose.night.bad_lines import BadLine, _of_answers, _of_codec, _of_link, 
 from truepose.night.errors import UnknownCaseError
 from truepose_drivers.contract.codec_fuzz import CodecTally
 from truepose_drivers.contract.hostile import Tally
-from truepose_drivers.contract.link_faults import LinkTally
+from truepose_drivers.contract.link_recovery import RecoveryTally
 
 EVERY = "tests.contract.devices.every:BENCHES"
 
@@ -56,7 +56,7 @@ def test_each_harm_is_a_figure_of_its_own_with_its_count_and_an_example(harm):
     ],
 )
 def test_each_fault_of_a_link_that_is_not_kept_is_a_figure_of_its_own(figure, seen):
-    assert [check.figure for check in _of_link(LinkTally("acme", **seen), 2.0) if not check.passed] == [
+    assert [check.figure for check in _of_link(RecoveryTally("acme", **seen), 2.0) if not check.passed] == [
         figure
     ]
 

@@ -10,7 +10,7 @@ from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import WorkSpaceError
-from truepose.planning.tracker.additions import WantedStop, addition
+from truepose.planning.tracker.added_stops import WantedStop, addition
 
 REACHING_OUT = tuple(math.radians(q) for q in (0.0, 30.0, -10.0, 0.0, 20.0, 0.0))
 TURNED = (math.radians(20.0), *REACHING_OUT[1:])

@@ -14,7 +14,7 @@ from truepose.messages.catalogue import english
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.prediction.plan import because_of
 from truepose.planning.prediction.tracker import promised_session, session_plan
-from truepose.planning.tracker.additions import WantedStop, addition
+from truepose.planning.tracker.added_stops import WantedStop, addition
 from truepose.planning.tracker.plans import plan_validation
 from truepose.planning.workspace.bodies import bodies_of, first_obstruction
 from truepose.planning.workspace.candidates import cosines_in_sight, draw_candidates, is_seen

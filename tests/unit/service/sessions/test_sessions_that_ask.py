@@ -9,9 +9,9 @@ from tests.helpers.machine import HANGS_S
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import service as ballbar
-from truepose.sessions.controller import PromptingSessionController
 from truepose.sessions.engine.states import Moment
 from truepose.sessions.followers import TabletCounter
+from truepose.sessions.kind_service import UnattendedSessionService
 
 
 class Runner:
@@ -41,7 +41,7 @@ class Runner:
         self._changed = asyncio.Event()
 
 
-class Kind(PromptingSessionController):
+class Kind(UnattendedSessionService):
     """One session, under way until it is released."""
 
     def __init__(self, runner):

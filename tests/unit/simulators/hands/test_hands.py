@@ -15,7 +15,7 @@ from tests.unit.simulators.hands.deeds import (
 )
 from truepose_simulators.errors import HandsError
 from truepose_simulators.instruments.accuracy import BallbarSetup
-from truepose_simulators.instruments.truth import plant_document
+from truepose_simulators.instruments.truth_endpoint import plant_document
 from truepose_simulators.physics.effects import PlantedChange
 
 CORNERS = [(1, 2), (1, 3), (2, 3)]

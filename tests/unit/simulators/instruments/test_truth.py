@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from truepose_simulators.faults.kinds import TrackerBlinded
-from truepose_simulators.instruments.truth import answer
+from truepose_simulators.instruments.truth_endpoint import answer
 
 
 def ask(cell, **request):

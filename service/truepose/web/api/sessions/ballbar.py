@@ -38,7 +38,7 @@ from truepose.web.middleware.language import in_words
 from truepose.web.resources import while_present
 
 if TYPE_CHECKING:
-    from truepose.reports.plan_space import Place
+    from truepose.reports.plan_3d import Place
 
 
 class BallbarKind(KindOfSession):
@@ -93,7 +93,7 @@ class BallbarKind(KindOfSession):
 
     async def places(self, here: Context, id: int) -> "tuple[list[Place], dict[int, StopState]]":
         """Return where the plan sends the arm, and what became of each pose of which no leg is to come."""
-        from truepose.reports.plan_space import ballbar_places
+        from truepose.reports.plan_3d import ballbar_places
 
         view = await here.ballbar_sessions.view(id)
         return list(ballbar_places(view.plan)), _states_of_poses(view.situation)

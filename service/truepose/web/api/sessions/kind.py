@@ -14,7 +14,7 @@ from truepose.web.context import Context
 from truepose.web.schemas import Reply
 
 if TYPE_CHECKING:
-    from truepose.reports.plan_space import Place
+    from truepose.reports.plan_3d import Place
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord
 from truepose.web.api.authority import require_authority
 from truepose.web.api.jobs import JobReply, planned_or_queued, queued_job
-from truepose.web.api.sessions.additions import (
+from truepose.web.api.sessions.added_stops import (
     AdditionReply,
     AdditionRequest,
     addition_reply,

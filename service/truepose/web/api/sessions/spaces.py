@@ -10,7 +10,7 @@ from truepose.web.context import Here
 from truepose.web.resources import Id, problems, resource
 
 if TYPE_CHECKING:
-    from truepose.reports.plan_space import Place
+    from truepose.reports.plan_3d import Place
 
 router = resource("/sessions", tags=["spaces"])
 _MOST: Final = 120  # stops, of which a picture is still read
@@ -33,7 +33,7 @@ def _drawn(
     states: dict[int, StopState],
     instrument_mm: tuple[float, float, float] | None,
 ) -> PlanSpaceReply:
-    from truepose.reports.plan_space import plan_space
+    from truepose.reports.plan_3d import plan_space
 
     return plan_space_reply(plan_space(cell, _selected(places, states), states, instrument_mm))
 

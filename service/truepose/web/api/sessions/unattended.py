@@ -40,7 +40,7 @@ from truepose.web.context import Context
 from truepose.web.middleware.language import in_words
 
 if TYPE_CHECKING:
-    from truepose.reports.plan_space import Place
+    from truepose.reports.plan_3d import Place
 
 
 class UnattendedKind(KindOfSession):
@@ -93,7 +93,7 @@ class TrackerKind(UnattendedKind):
 
     async def places(self, here: Context, id: int) -> "tuple[list[Place], dict[int, StopState]]":
         """Return where the plan sends the arm, and what became of each stop."""
-        from truepose.reports.plan_space import Place
+        from truepose.reports.plan_3d import Place
 
         plan = await here.sessions.plan(id)
         states: dict[int, StopState] = {one.config: "skipped" for one in await here.sessions.skipped(id)}
@@ -154,7 +154,7 @@ class ContactKind(UnattendedKind):
 
     async def places(self, here: Context, id: int) -> "tuple[list[Place], dict[int, StopState]]":
         """Return where the plan sends the arm, and what became of each stop."""
-        from truepose.reports.plan_space import Place
+        from truepose.reports.plan_3d import Place
 
         plan = await here.sessions.contact_plan(id)
         taken = readings_of(line.entry for line in await here.session_desk.ledger.whole(id))

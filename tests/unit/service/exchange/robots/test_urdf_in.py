@@ -7,7 +7,7 @@ from tests.helpers.kinematics.urdf_frames import frames
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import InputFileError, UnreadableFileError
 from truepose.exchange.robots.named import read_robot_file
-from truepose.exchange.robots.urdf import urdf_from_text
+from truepose.exchange.robots.urdf_import import urdf_from_text
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 

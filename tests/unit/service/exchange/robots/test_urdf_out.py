@@ -19,7 +19,7 @@ from tests.helpers.kinematics.urdf_frames import frames
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRange
 from truepose.exchange.models.exports import export
-from truepose.exchange.robots.urdf import urdf_from_text
+from truepose.exchange.robots.urdf_import import urdf_from_text
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import predict

@@ -10,7 +10,7 @@ from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.identification import Status
 from truepose.identification import identify
 from truepose.identification.observations.blocks import whitener
-from truepose.identification.verdict.outlier_reasons import within_reach
+from truepose.identification.verdict.outliers import within_reach
 from truepose.messages.catalogue import english
 
 ROW = 7

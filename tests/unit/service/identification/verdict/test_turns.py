@@ -9,7 +9,7 @@ from tests.unit.service.identification.problem.test_certified_artefact import po
 from truepose.exchange.results.identification import identification_document
 from truepose.exchange.results.validation import validation_document
 from truepose.identification import identify
-from truepose.identification.verdict.pose_errors import turn_errors
+from truepose.identification.verdict.relative_accuracy import turn_errors
 from truepose.kinematics.frames import (
     quaternion_from_rotation,
     rotation_from_quaternion,

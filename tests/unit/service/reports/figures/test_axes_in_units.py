@@ -5,7 +5,7 @@ import pytest
 from matplotlib.font_manager import fontManager
 
 from truepose.messages.units import KEPT, Units
-from truepose.reports.figures.canvas import mark_axis, new_figure, page_style
+from truepose.reports.figures.svg_rendering import mark_axis, new_figure, page_style
 
 INCH = Units.of(["inch", "rad", "f"])
 

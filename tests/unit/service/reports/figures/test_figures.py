@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.domain.builders import make_model
 from truepose.identification import predict
-from truepose.reports.figures.canvas import new_figure, on_page
 from truepose.reports.figures.error_maps import exaggeration, work_space
 from truepose.reports.figures.histograms import histogram
 from truepose.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
+from truepose.reports.figures.svg_rendering import new_figure, on_page
 from truepose.reports.identification.judged_figures import judged
 from truepose.reports.identification.observability import correlation_map, correlation_matrix, strongest_pairs
 

@@ -2,7 +2,7 @@
 
 import re
 
-from truepose.reports.figures.canvas import joined_shapes
+from truepose.reports.figures.svg_rendering import joined_shapes
 
 ROUND = 'd="M 0 1.5 \nC 0.4 1.5 0.8 1.3 1.1 1.1 \nz\n"'
 DIAMOND = 'd="M 0 -2 \nL 2 0 \nL 0 2 \nL -2 0 \nz\n"'

@@ -20,7 +20,6 @@ from truepose.domain.validation import (
     Histogram,
     SignedErrors,
 )
-from truepose.reports.figures.canvas import PLAIN
 from truepose.reports.figures.curves import plain_place_errors
 from truepose.reports.figures.histograms import (
     comparison,
@@ -29,6 +28,7 @@ from truepose.reports.figures.histograms import (
     plain_histogram,
 )
 from truepose.reports.figures.residuals import plain_residual_curve
+from truepose.reports.figures.svg_rendering import PLAIN
 from truepose.reports.identification.judged_figures import judged
 
 _SHELLS = (DistanceBin(0.0, 200.0, make_pair()), DistanceBin(400.0, 600.0, make_pair()))

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from truepose.domain.robot import FramePlacement
-from truepose.reports.plan_space import arm_pieces
+from truepose.reports.plan_3d import arm_pieces
 
 _BASE = FramePlacement(100.0, -50.0, 30.0, 0.0, 0.0, np.pi / 2)
 _NEST = np.array([[0.0, 0.0, 125.0]])

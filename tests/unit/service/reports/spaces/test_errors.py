@@ -7,7 +7,7 @@ from tests.helpers.domain.builders import make_model
 from tests.unit.service.reports.conftest import measured, stops_at_random
 from truepose.domain.campaign import PointReadings
 from truepose.identification import predict
-from truepose.reports.error_space import error_space
+from truepose.reports.error_vectors_3d import error_space
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from truepose.domain.campaign import Readings
 from truepose.domain.identification import Model
 from truepose.identification.verdict.judge import judge
 from truepose.reports.figures.error_maps import exaggeration
-from truepose.reports.plan_space import arm_pieces
+from truepose.reports.plan_3d import arm_pieces
 
 _MOST_ARROWS: Final = 600  # more hide each other
 _MOST_POSES: Final = 24

@@ -24,7 +24,7 @@ _RESTARTED: Final = message("session.service.restarted")
 _STOPPED: Final = message("session.service.stopped")
 
 
-class SessionController(SessionKind[R]):
+class SessionKindService(SessionKind[R]):
     """Sessions of one kind, started and acted on by the desk."""
 
     def __init__(self, desk: SessionService) -> None:
@@ -44,7 +44,7 @@ class SessionController(SessionKind[R]):
         return record
 
 
-class PromptingSessionController(SessionController[R]):
+class UnattendedSessionService(SessionKindService[R]):
     """Sessions that nobody stands beside: started, they ask; after a restart they wait for an answer."""
 
     def require_startable(self, record: SessionRecord, act: OperatorCommand) -> None:

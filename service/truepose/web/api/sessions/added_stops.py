@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from truepose.messages.message import message, together
-from truepose.planning.tracker.additions import Addition, WantedStop
+from truepose.planning.tracker.added_stops import Addition, WantedStop
 from truepose.sessions.tracker.service import WantedStops
 from truepose.sessions.tracker.steps import numbers
 from truepose.web.api.sessions.schemas import AngleDeg, SessionReply, StopReply

@@ -51,7 +51,7 @@ class FleetRequest:
     where: str | None  # workers that compute in its place
 
 
-class FleetService:
+class CampaignSummaryService:
     """Has campaigns tell what they do, each once for this version of the program.
 
     Parameters

@@ -9,11 +9,11 @@ from typing import Final
 from rich.console import Console
 from rich.table import Table
 
+from truepose.demo.cell_run import CAMPAIGN_FOLDER, MODEL_FILE, CellRequest, CellRun, run_cell
 from truepose.demo.errors import DemoError, UnusableScenarioError
 from truepose.demo.processes import DATABASE
 from truepose.demo.progress import RunProgress, progress_bar
 from truepose.demo.report import REPORT, diagnosis_lines, write_diagnosis, write_report
-from truepose.demo.run import CAMPAIGN_FOLDER, MODEL_FILE, CellRequest, CellRun, run_cell
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
 from truepose.exchange.cells.file import reads_poses
 from truepose.exchange.json_text import Json, number_or_null, render_json

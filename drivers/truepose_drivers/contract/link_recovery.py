@@ -35,7 +35,7 @@ _OF_LINE: Final = ("half_open", "hung_up", "unplugged")
 
 
 @dataclass
-class LinkTally:
+class RecoveryTally:
     """What one driver made of the faults of its link."""
 
     driver: str
@@ -49,11 +49,11 @@ class LinkTally:
     cpu_s: float = 0.0
 
 
-def tally(new_bench: NewBench, faults: int, seed: int = 0) -> LinkTally:
+def tally(new_bench: NewBench, faults: int, seed: int = 0) -> RecoveryTally:
     """Let so many faults befall a driver's link, in simulated time."""
     began_s = time.process_time()
     bench = new_bench()
-    found = LinkTally(bench.plugin.name)
+    found = RecoveryTally(bench.plugin.name)
     with asyncio.Runner(loop_factory=SimulatedTimeLoop) as runner:
         runner.run(_run(Trial(bench, seed=seed), found, faults))
     found.cpu_s = round(time.process_time() - began_s, 2)
@@ -70,7 +70,7 @@ def require_found(new_bench: NewBench, faults: int, seed: int = 0) -> None:
         broken(f"{found.driver} does not come to terms with faults of its link (seed {seed}):\n  {shown}")
 
 
-def line(found: LinkTally) -> str:
+def line(found: RecoveryTally) -> str:
     """Return a tally in one line of text."""
     lost, back = (_spread(times) for times in (found.lost_s, found.back_s))
     return (
@@ -84,7 +84,7 @@ def _spread(times_s: Sequence[float]) -> str:
     return f"{ordered[len(ordered) // 2]:5.2f} s, at most {ordered[-1]:5.2f} s"
 
 
-async def _run(trial: Trial, found: LinkTally, faults: int) -> None:
+async def _run(trial: Trial, found: RecoveryTally, faults: int) -> None:
     names = (*_BY_ANSWER, *_OF_LINE)
     for _ in range(faults):
         await _settle(trial)
@@ -106,7 +106,7 @@ async def _settle(trial: Trial) -> None:
     trial.bench.move(trial.rng)
 
 
-async def _suffer(trial: Trial, found: LinkTally, fault: str) -> None:
+async def _suffer(trial: Trial, found: RecoveryTally, fault: str) -> None:
     _strike(trial, fault)
     began_s = now_s()
     taken = await trial.take()
