@@ -70,6 +70,7 @@ class Accounts:
         self.sign_ins = SignIns(register, self.attempts, pins)
         self._asked_for = asked_for
         self._alone = alone
+        # Two who hold the printed link at once would both become the first administrator.
         self._first = asyncio.Lock()
         self.first_secret = new_secret()
         self.machine_secret = new_secret()  # for commands of this machine, as long as the service runs
@@ -90,7 +91,9 @@ class Accounts:
         return not self._asked_for or (self._alone and self.nobody_entered)
 
     def caller_of(self, cookie: str | None, token: str | None) -> Caller:
-        """Return who asks; NOBODY where a secret opens nothing, or where two say different things."""
+        """Return who asks; NOBODY where a secret opens nothing, or where cookie and token come together."""
+        # Looked at before the service may be open: while nobody is entered this command alone enters the
+        # first person, which whoever else asks may not.
         if token is not None and hmac.compare_digest(token.encode(), self.machine_secret.encode()):
             return OF_MACHINE if cookie is None else NOBODY
         if self.are_open:
@@ -129,6 +132,8 @@ class Accounts:
     async def enter(self, name: str, role: Role, by: str) -> tuple[Person, str]:
         """Enter somebody; return them and the secret of the link with which they choose a password."""
         if self.nobody_entered:
+            # From the first person on everybody signs in. They come by the printed link alone, so that no
+            # program closes a service by trying (decision 0057).
             raise AccountRefusedError(message("people.first_first"))
         return await self._entered(name, role, by)
 
@@ -165,6 +170,7 @@ class Accounts:
                 raise SignInRefusedError(_LINK_IS_OVER)
             if chosen.password is None:
                 raise AccountRefusedError(message("people.choose_password"))
+            # Before the password is hashed: whoever uses the link meanwhile finds that it opens nothing.
             await self.register.revoke(record.id, by=person.name)
             await self.choose(person, chosen)
         return await self.sign_ins.opened(person, "", address)
@@ -259,7 +265,11 @@ class PeopleService:
 async def open_people(
     database: Database, pins: Pins, *, asked_for: bool, alone: bool
 ) -> AsyncIterator[PeopleService]:
-    """Open the desk; what was noted is on disk when it closes."""
+    """Open all that concerns who asks; what was noted of acts is on disk when it closes.
+
+    Raises StorageError where accounts cannot be read. An act that the disk refuses to the last is lost, and
+    the log says how many those were.
+    """
     stored = CredentialRepository(database)
     register = Register(stored)
     await register.load()

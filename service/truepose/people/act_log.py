@@ -33,7 +33,7 @@ class ActLog:
         self._written.set()
 
     def note(self, act: PersonsAct) -> None:
-        """Have an act be written."""
+        """Have an act be written; waits for nothing and raises nothing, as a stop passes here too."""
         if len(self._waiting) >= _WAITING:
             self._lost += 1
             return
@@ -42,7 +42,7 @@ class ActLog:
         self._noted.set()
 
     async def written(self) -> None:
-        """Return once everything that was noted is on disk."""
+        """Return once everything that was noted is on disk: while the disk refuses, not at all."""
         await self._written.wait()
 
     def end(self) -> None:
@@ -51,7 +51,7 @@ class ActLog:
         self._noted.set()
 
     async def follow(self) -> None:
-        """Write what is noted, until the end is asked for."""
+        """Write what is noted, until the end is asked for; one task of the service calls it."""
         while not self._closing:
             await self._noted.wait()
             try:
@@ -65,6 +65,8 @@ class ActLog:
     async def _write(self) -> None:
         while self._waiting:
             together = list(islice(self._waiting, _TOGETHER))
+            # They leave the queue once they are on disk: what is refused is part of the next try, in its old
+            # order.
             await self._stored.add(together)
             for _ in together:
                 self._waiting.popleft()

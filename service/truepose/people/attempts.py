@@ -56,6 +56,8 @@ class Guesses:
         """Take a guess as `take`, and give it back where the context ends without an error."""
         self.take(*names)
         yield
+        # No `finally`: whatever ends in an error has cost its guess, also where somebody closed the
+        # connection before the answer.
         self.give_back(*names)
 
     def take(self, *names: str) -> None:
@@ -106,6 +108,7 @@ class Attempts:
     @contextlib.contextmanager
     def at_door(self, person: Person | None, name: str, address: str) -> Iterator[None]:
         """Count a password as wrong unless the context ends well; raises TooManyGuessesError."""
+        # A name that nobody has is limited like any other: else the limit would tell which names there are.
         account = f"name {tidy_name(name).casefold()}" if person is None else f"account {person.id}"
         here = f"{account} at {address_block(address)}"
         if person is not None and self.places.include(person.id, address):

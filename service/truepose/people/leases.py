@@ -13,6 +13,8 @@ from truepose.messages.message import message
 from truepose.people.errors import SomebodyElseActsError
 from truepose.people.register import Caller
 
+# A page renews it every few seconds. It does not hang on a connection: a reload, or a tablet that fell, would
+# keep everybody out (decision 0057).
 LEASE_S: Final = 15.0
 
 
@@ -31,7 +33,7 @@ class Lease:
 
 
 class Leases:
-    """Who acts in which session."""
+    """Who acts in which session; after a restart nobody does, until somebody acts."""
 
     def __init__(self, elapsed_s: Callable[[], float]) -> None:
         self._elapsed_s = elapsed_s

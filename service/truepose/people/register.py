@@ -140,6 +140,7 @@ class Register:
 
     async def keep(self, new: NewCredential) -> CredentialRecord:
         """Have something open the service."""
+        # On disk first: what the disk refuses opens nothing, as it would not after a restart.
         record = await self._stored.add(new)
         self._take(record)
         return record
@@ -149,12 +150,14 @@ class Register:
         before = [
             r.id for r in self._credentials.values() if (r.person_id, r.kind) == (new.person_id, new.kind)
         ]
+        # The new one first: where the disk refuses it, what the person had opens the service still.
         record = await self.keep(new)
         await self.revoke(*before, by=by)
         return record
 
     async def revoke(self, *numbers: int, by: str) -> None:
         """Have these open nothing any more, from this moment on."""
+        # Out of memory first: they open nothing while the disk is written to, nor where it refuses.
         for number in numbers:
             self._credentials.pop(number, None)
         await self._stored.revoke(numbers, by)

@@ -71,6 +71,7 @@ def badge_hash(badge: str, others: Iterable[str]) -> str:
 
 
 def _salt(kept: str) -> bytes:
+    # Kept as `$argon2id$v=19$m=...,t=...,p=...$SALT$HASH`, in base64 without its padding.
     text = kept.split("$")[-2]
     return base64.b64decode(text + "=" * (-len(text) % 4))
 

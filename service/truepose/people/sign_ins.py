@@ -94,12 +94,14 @@ class SignIns:
     async def switch(self, here: Caller, who: Person | None, pin: str) -> SignedIn:
         """Have somebody else stand before a tablet; raises SignInRefusedError, TooManyGuessesError."""
         record = None if here.sign_in is None else self._register.credential(here.sign_in)
+        # A PIN counts only at a tablet that a password opened, as long as whoever opened it is let in.
         if record is None or self._register.person(record.document["opened_by"]) is None:
             raise SignInRefusedError(_NO_TABLET)
         with self._attempts.at_tablet(here.tablet):
             await self._require_pin(who, pin, record)
         if who is None:
             raise SignInRefusedError(_PIN_REFUSED)
+        # It ends when the sign-in by password would have: PINs do not keep a tablet open beyond that.
         begun = await self._begun(who, record.expires_at, {"tablet": here.tablet, **record.document})
         await self._register.revoke(record.id, by=who.name)
         return begun
@@ -134,6 +136,7 @@ class SignIns:
         return None if record is None else self._register.person(record.person_id)
 
     async def _require_password(self, person: Person | None, password: str) -> None:
+        # Of a name that nobody has the same hash is worked out: the time tells nothing (decision 0057).
         kept = self._kept(person, CredentialKind.PASSWORD)
         async with self._places:
             right = await asyncio.to_thread(matches, NOBODYS if kept is None else kept, password)
@@ -150,6 +153,8 @@ class SignIns:
         if not self._pins.counts(kept):
             raise SignInRefusedError(_PIN_GONE)
         pins, number = self._attempts.pins, tablet.document.get("tablet", tablet.id)
+        # Whoever stands or stood here has a count of their own here, so that wrong PINs typed elsewhere under
+        # their name do not lock them out.
         if person.id in {tablet.person_id, tablet.document["opened_by"]}:
             pins.note_stood(person.id, number)
         if not right or pins.too_many(person.id, number):
@@ -173,6 +178,8 @@ class SignIns:
         return self._elapsed_s() - self._use_of(record.id).used_s <= IDLE_S
 
     def _use_of(self, number: int) -> _Used:
+        # No disk keeps when a sign-in was used last; after a restart the idle time begins with the first
+        # look.
         return self._used.setdefault(number, _Used(self._elapsed_s()))
 
 

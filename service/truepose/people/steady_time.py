@@ -32,6 +32,7 @@ class SteadyTime:
         """Begin at the time of day, or at the newest record (UTC, ISO 8601) where that is later."""
         recorded = datetime.min.replace(tzinfo=UTC) if newest is None else datetime.fromisoformat(newest)
         self.elapsed_s = elapsed_s
+        # A clock that was put back before the start would make what has expired live again.
         self._began = max(wall(), recorded)
         self._began_s = elapsed_s()
 
