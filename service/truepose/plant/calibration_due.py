@@ -1,9 +1,10 @@
 """Which robots are to be measured next, and why: every reason with its figures, the most urgent first.
 
-First those of which nobody knows how they stand; then those of which a measurement says that their model no
-longer holds; then those whose last measurement proves nothing; then what months foretell of a robot before
-its next day; then age; and last what is merely asked for. The clock of a cell may be wrong: a robot whose
-last day has not come yet would otherwise never be due.
+First robots of which nobody knows how they stand; then those whose last validation failed, whose last
+measurement proves nothing, that carry another tool or stand elsewhere than their model knows, or that a
+diagnosis does not explain; then what months foretell before the next day; then age; last what a diagnosis
+asks for (decision 0069). The clock of a cell may be wrong: a robot whose last day is yet to come would
+otherwise never be due.
 """
 
 import math
@@ -211,6 +212,7 @@ def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, tod
     if found.rate_mm is None and found.earliest is None:
         yield Reason(DueReason.WORSENING, _beyond(foretold), math.inf, compared=foretold.by)
         return
+    # What is overdue can be measured today at the earliest, and not on its day that has passed.
     earliest, next_due = _day(found.earliest or ""), max(last + timedelta(days=due_days), today)
     if earliest is not None and earliest <= next_due:
         weight = float((today - earliest).days)

@@ -51,6 +51,7 @@ _ANSWER_S: Final = 60.0  # for an answer of next to nothing; and a second more f
 _SLOWEST: Final = 1000.0
 _SLOW: Final = "its answer comes with less than a thousand bytes a second"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
+# A refusal of megabytes once stood on the plant's first page (commit 7835de1b).
 _LONGEST: Final = 500  # letters of what a cell says to people
 _CREATED: Final = 201
 _REFUSED: Final = frozenset({400, 409, 413, 422})  # for good: what stands in the hand-down itself
@@ -184,6 +185,8 @@ class CellClient:
             body += part
             if len(body) > _MOST_BYTES:
                 raise self._no_cell("what it sends has no end")
+            # More time for what has come, at a least rate: the time-outs of the client begin anew with every
+            # byte, and a cell that sent one now and then held its visit up for ever (commit 7835de1b).
             patience.reschedule((patience.when() or 0.0) + len(part) / _SLOWEST)
         return bytes(body)
 

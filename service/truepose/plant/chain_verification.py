@@ -109,6 +109,8 @@ def _require_own(link: CollectedLink, before: bytes) -> None:
     if not link.verified and link.record not in _TOLD:
         raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
     names, values = tuple(link.row), tuple(link.row.values())
+    # A record that is told without its secret has another hash; its number and stream are the link's all the
+    # same (commit 34577c71).
     is_of_link = stream_of(link.record, names, values) == link.stream and link.row.get("id") == link.record_id
     is_as_written = not link.verified or linked_hash(before, link.record, names, values) == link.hash
     if not (is_of_link and is_as_written):
