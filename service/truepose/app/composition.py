@@ -131,6 +131,8 @@ async def open_context(
         present = _present(cell, settings)
         database = await asyncio.to_thread(opened_database, settings.database_url)
         stack.callback(database.close)
+        # One mistyped command mixed the records of a plant and a cell in one chain, for good (commit
+        # 65876b09).
         await require_of_cell(database)
         state = database.file.with_name(f"{database.file.name}.cell.json")
         simulation = await _simulation(cell, settings, state, stack)
@@ -144,6 +146,8 @@ async def open_context(
         context = _context(cell, present, database, rack, simulation, perform, lookout, people)
         await context.session_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
+        # Closed from the last line up: streams, drawings, sessions, jobs; what they use, devices and
+        # database, ends after them.
         stack.push_async_callback(context.job_desk.close)
         stack.push_async_callback(context.session_desk.close)
         stack.push_async_callback(context.drawing_desk.kept.close)

@@ -165,6 +165,7 @@ def _tell(closed: Counter[str], left: int) -> None:
 
 
 def _on_exception(census: Census, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    # asyncio tells of it by this text alone: it catches the error itself and tries again after a second.
     if context.get("message", "").startswith("socket.accept() out of system resource"):
         census.out_of_descriptors()
     else:

@@ -130,6 +130,7 @@ class WatchedProtocol(H11Protocol):
     def _unread(self, now_s: float) -> bool:
         """Return whether what was written lies here because the other side does not take it."""
         unsent = self.transport.get_write_buffer_size()
+        # All was taken, or more was written since: what lies here now is counted from this moment on.
         if unsent == 0 or unsent > self._answer.amount:
             self._answer.begin(now_s, unsent)
         return self._answer.amount > 0 and self._answer.too_slow(now_s, self._answer.amount - unsent)
