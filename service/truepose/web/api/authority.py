@@ -53,6 +53,7 @@ async def require_authority(here: Context, session_id: int, act: CommandName) ->
         return
     if caller.role is None or not reaches(caller.role, Role.OPERATOR):
         raise NotAllowedError(message("refused.role", who=caller.name, role=str(caller.role or "")))
+    # A program's token: it answers for what it does by itself, and shows nothing afresh.
     if caller.sign_in is None:
         return
     if act in _SHOWN_FIRST and not _goes_on(here, session_id, act) and not _is_fresh(here, caller):
@@ -106,6 +107,7 @@ def _give_reason(held: Lease | None, asker: Caller) -> None:
 
 def _goes_on(here: Context, session_id: int, act: CommandName) -> bool:
     """Whether a session is under way, so that each motion is confirmed by whoever has been acting."""
+    # Asked for at each pose, a PIN would soon be written on the arm (decision 0057).
     under_way = here.session_desk.under_way(session_id)
     running = under_way is not None and under_way.runner.state is SessionState.RUNNING
     return act is CommandName.CONFIRM and running

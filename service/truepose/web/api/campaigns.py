@@ -245,6 +245,7 @@ async def _stored(
     told = stated.before(sent.stated)
     said = sent.archive + "".join(told.said.values()).encode()
     by_key = None if key is None else await asyncio.to_thread(request_key, request, key, said)
+    # Whoever goes away ends the reading: the next upload waits for this one (decision 0023).
     return await while_present(request, here.campaign_desk.upload(sent.archive, stored_as, told, by_key))
 
 

@@ -94,6 +94,7 @@ async def list_links(here: Here, after: After = 0, limit: Limit = 500) -> Stream
     a page without its last line, `{"end": ..., "newest": ...}`, was cut off on its way.
     """
     records = Outbox(here.database)
+    # Once the head of an answer is sent no problem document can follow it.
     first = await records.after(after, limit)  # refused before an answer has begun, where it is
     return StreamingResponse(_lines(records, first, after, limit), media_type=LINES)
 

@@ -161,6 +161,7 @@ async def accept_hand_down(
     here: Here, asker: CurrentCaller, response: Response, wanted: HandedDownRequest, key: RequiredKey
 ) -> HandedDownReply:
     """Keep a plan or a model that the plant hands down. Nothing is planned and nothing moves by it."""
+    # The token names the plant. The person is the plant's word alone, as the cell need not know them.
     plant = asker.tablet_name or asker.name
     current_request().reason = f"handed down by {wanted.person}, as the plant says" if plant else None
     new = NewHandedDown(plant, wanted.kind, wanted.name, wanted.person, wanted.document)

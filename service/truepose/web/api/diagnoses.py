@@ -265,6 +265,7 @@ async def diagnose_session(
 
     Its readings are kept as a campaign; after more of them a further request makes a further diagnosis.
     """
+    # Before anything is kept: an effect that nobody knows must not leave a campaign behind.
     effects = _named(wanted.effects)
     name = (await here.sessions.get(id)).name
     # A client's key has no blank, so this one belongs to the campaign of the same request and no other.

@@ -185,6 +185,7 @@ async def choose_secrets(
     sign_ins = here.people.accounts.sign_ins
     await sign_ins.show(asked.caller, CredentialKind.PASSWORD, wanted.present_password)
     await here.people.accounts.choose(person, chosen_of(wanted))
+    # A new password has closed this browser too; it is opened anew for whoever has just proved who they are.
     if sign_ins.lasts(asked.caller):
         return caller_reply(here, asked.caller)
     opened = await sign_ins.opened(person, asked.caller.tablet_name, asked.address)

@@ -137,6 +137,8 @@ async def _followed(here: Context, record: CredentialRecord) -> AsyncIterator[An
 
 async def _while_it_lasts(here: Context, secret: str, chunks: AsyncIterator[Any]) -> AsyncIterator[Any]:
     async for chunk in chunks:
+        # Looked at for each piece: a link that ends, or is taken back, ends a stream that has been open for
+        # hours.
         if here.people.accounts.watched_by(secret) is None:
             return
         yield chunk

@@ -73,6 +73,8 @@ class AuthorizationMiddleware:
         except _NoLongerAllowedError:
             pass
         finally:
+            # While nobody is asked who they are nothing is added (decision 0057); `about` names the first
+            # person, whose own request closes the service.
             if not here.people.accounts.are_open or asked.about is not None:
                 _record(scope, operation, asked, watch.status, here)
 
@@ -107,6 +109,7 @@ def _caller(scope: Scope, accounts: Accounts) -> Caller:
     told = [value for name, value in scope["headers"] if name == b"authorization"]
     if accounts.are_open:
         return accounts.caller_of(None, _bearer(told[0]) if len(told) == 1 else None)
+    # Twice, or cookie and token at once, is nobody (decision 0057).
     if len(cookies) > 1 or len(told) > 1:
         return NOBODY
     cookie = next(iter(cookies), None)

@@ -185,6 +185,8 @@ def _network(told: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
         raise UnusableProxyError(
             f"{told!r} cannot be a proxy ({error}); give the address that it asks from, e.g. 127.0.0.1."
         ) from error
+    # Whoever reaches the service could then write any address into the header, and so pass every limit by
+    # address.
     if not network.prefixlen:
         raise UnusableProxyError(f"{told} is everybody, and anybody could say then who they are.")
     return network

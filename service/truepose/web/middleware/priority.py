@@ -21,6 +21,7 @@ _WAIT_S: Final = 5.0
 _AGAIN_S: Final = 2  # after which a client that found no place may ask again
 _FREE_BYTES: Final = 64 * 1024  # of each body; an act or a pause is always received
 _BODIES_BYTES: Final = 128 * 2**20  # of all bodies together
+# What halts a session has to be among these; a test holds all patterns against the routes (decision 0022).
 _URGENT: Final = re.compile(r"/health|/api/v1/sessions/[^/]+/commands")
 _STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/sessions/[^/]+/live|/watch/[^/]+/live")
 _DRAWN: Final = re.compile(

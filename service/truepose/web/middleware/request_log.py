@@ -108,6 +108,7 @@ class _Answer:
         became = "nobody waited for its answer" if status is None else f"answered with {status}"
         _LOG.log(_level(operation, status), "%s: %s", operation, became, extra={"fields": told})
 
+    # Read when it is asked for: the route is found while the request is under way.
     @property
     def _operation(self) -> str:
         route = self._scope.get("route")

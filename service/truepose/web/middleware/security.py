@@ -22,6 +22,7 @@ from truepose.web.schemas import TIME_HEADER, time_s
 Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
+# A new page is added here; tests walk all routes (decision 0022).
 PAGES: Final = re.compile(
     r"/|/docs|/work|/hand-downs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan(/checklist)?|/faults|/errors(/[^/]+)?"
     r"|/(?:jobs|campaigns|identifications|validations|models)/[^/]+|/(?:robots|instruments|cells)/.+"

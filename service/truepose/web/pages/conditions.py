@@ -148,6 +148,7 @@ def _instruments(
     """Yield each device that answered, with the certificate that holds for its serial number."""
     from truepose.reports.traceability import Instrument
 
+    # By serial number, not by place in the cell: a certificate is of one instrument (decision 0020).
     papers = {entry.serial_number: entry for entry in setup.cell.devices if entry.serial_number}
     present = {status.answered_serial: status.identity for status in here.rack.statuses()}
     for device, serial in dict.fromkeys((taken.device, taken.serial) for taken in identities):

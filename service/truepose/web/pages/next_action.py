@@ -1,4 +1,7 @@
-"""The one next step, from where things stand: measure, identify, diagnose, correct, prove, report."""
+"""The one next step, from where things stand: measure, identify, diagnose, correct, prove, report.
+
+It follows from the records alone. No state of a workflow is kept that could contradict them (decision 0058).
+"""
 
 import dataclasses
 from collections.abc import Mapping

@@ -119,6 +119,8 @@ class Visit:
         shown = {"visit": self, "here": self.here, "words": self.words, "say": self.words.say}
         answer = HTMLResponse(render(template, **shown, **context), status)
         answer.headers["Content-Language"] = self.words.language
+        # Language, look and units come from there; a cache that did not know would give one reader the page
+        # of another.
         answer.headers["Vary"] = "Accept-Language, Cookie"
         for name, value in self._asked().items():
             answer.set_cookie(name, value, max_age=_YEAR_S, samesite="lax")

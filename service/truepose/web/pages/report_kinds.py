@@ -117,10 +117,13 @@ async def _made(
 
 async def _stated(drawable: Drawable) -> str:
     """Return a hash of all that a report states, but for the moment when it is made."""
+    # The language is no part of what is stated: a page in another one is the same revision (decision 0056).
     return _hash(drawable.result, await drawable.conditions(IN_ENGLISH))
 
 
 def _hash(result: object, conditions: "ReportConditions") -> str:
+    # The moment would make every report a new revision, and so would the head of the chain, which is not
+    # there yet.
     stated = repr((result, replace(conditions, written_at="")))
     return hashlib.sha256(stated.encode()).hexdigest()
 

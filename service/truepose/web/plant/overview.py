@@ -49,7 +49,11 @@ class ChangedRobot:
 
 @router.get("/", response_class=HTMLResponse)
 async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
-    """Show who is to be measured next and why, how robots stand, what changed, and the cells."""
+    """Show who is to be measured next and why, how robots stand, what changed, and the cells.
+
+    Nothing is computed for it: two states that are kept in memory are compared, and forecasts are those of
+    the last look at `/fleet` (decision 0069).
+    """
     today = datetime.now(UTC).date()
     papers, places = await here.certificates.that_count(), await places_of(here)
     measured = await here.overview.robots(latest_day(today))
