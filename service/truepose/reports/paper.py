@@ -87,7 +87,7 @@ def require_pdf() -> None:
 
 @contextlib.contextmanager
 def _without_remarks() -> Iterator[None]:
-    """Silence what the printer says of libraries and fonts; it prints a block of text beside its error.
+    """Silence what the printer says of libraries and fonts: programs read the output it would stand in.
 
     That an older library will not do for a later version of it concerns nobody who reads a report.
     """

@@ -116,6 +116,7 @@ def _remark(worst: Characteristic, u: str, words: Catalogue) -> str:
 
 
 def _beside(test: PoseTest, words: Catalogue) -> tuple[str, str, str]:
+    # Five poses prove little of a work space: the larger figure stands beside them (decision 0041).
     if test.work_space is None:
         claimed = words.units.quantity(millimetres(test.claimed_mm), "mm")
         return words.say("pose_test.card.claimed"), claimed, words.say("pose_test.card.claimed.remark")

@@ -18,7 +18,7 @@ _EXACT_DECIMALS = 9  # rounding of pi / 2 and the like stays below; no drawing g
 
 
 def millimetres(value_mm: float) -> str:
-    """Return a length without unit: three significant digits, 0.1 um at the finest."""
+    """Return a length without unit: to 0.1 um below 0.1 mm, to 1 um below 10 mm, to 10 um from there on."""
     if not math.isfinite(value_mm):
         return MISSING
     decimals = 4 if abs(value_mm) < 0.1 else 3 if abs(value_mm) < 10.0 else 2

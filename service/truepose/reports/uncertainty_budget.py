@@ -63,6 +63,11 @@ def spread_of_mean_mm(residual_mm: FloatArray, shifts: FloatArray) -> float:
     residual_mm : ndarray, shape (n, d)
     shifts : ndarray, shape (K, n, d)
         Change of the residuals per standard deviation of K independent sources [mm].
+
+    Returns
+    -------
+    float
+        In mm; 0 of no source. Drawn with a fixed seed, so that the same data give the same figure.
     """
     if len(shifts) == 0:
         return 0.0
@@ -109,7 +114,7 @@ def motion_shifts(judged: Assessment, covariance: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    judged : Judged
+    judged : Assessment
         Of positions.
     covariance : ndarray, shape (6, 6)
         Of a translation [mm] and a rotation vector [rad] about the world's origin.

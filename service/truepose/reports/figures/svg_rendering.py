@@ -205,6 +205,7 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var(--{variable})")
     text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
+    # The Content-Security-Policy of the service forbids style attributes (decision 0022).
     text = re.sub(r'style="([^"]*)"', _as_attributes, text)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
