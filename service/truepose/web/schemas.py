@@ -36,6 +36,8 @@ def time_s() -> float:
 
 def under_way_s(pressed_at_s: float | None) -> float:
     """Return for how long a tap was under way; 0 where it does not say."""
+    # A browser that gives a request up leaves its bytes with the network, which may deliver them minutes
+    # later: a confirmation moved a robot then (commit de3038be).
     return 0.0 if pressed_at_s is None else time_s() - pressed_at_s
 
 

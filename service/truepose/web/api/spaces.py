@@ -149,6 +149,7 @@ async def _space(here: Context, model_id: int | None, campaign_id: int) -> Space
     if model_id is None:
         raise NotFoundError("model of that result", campaign_id)
     model = (await here.results.model(model_id)).model
+    # The campaign as it is stored, unpacked off the loop: a session that measures waits for no picture.
     content = await here.campaigns.content(campaign_id)
     return await asyncio.to_thread(_drawn, model, content)
 

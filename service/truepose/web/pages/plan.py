@@ -36,6 +36,7 @@ async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> H
         promised = await visit.here.promise_desk.promise(cell, n)
         return await asyncio.to_thread(_rendered, promised, visit.words, plans=plans)
 
+    # The button that plans is in the drawn part, so it is kept for each kind of visitor (commit e3ad9c17).
     told = await render_part(visit, f"plan {n} {plans} {json.dumps(to_document(cell))}", draw, whole=whole)
     return visit.page("sessions/plan.html", told=told, n=n)
 

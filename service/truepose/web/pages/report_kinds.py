@@ -74,6 +74,8 @@ async def report_of(
     """Return the report of a result as it is now, made anew where it would state something else."""
     subject, drawable = ReportSubject(kind.name, number), await kind.drawable(here, number, choice, words)
     stated = await _stated(drawable)
+    # Drawing takes seconds: two reports that stated something else and were drawn together were kept under
+    # one number, one in the other's place. Whoever comes second draws again, with the next (commit 1f5fcfa3).
     while True:
         revision = await here.reports.revision_for(subject, stated)
         made = await _made(here, subject, revision, words)

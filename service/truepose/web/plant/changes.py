@@ -66,6 +66,7 @@ class SinceThen:
 
 async def read_ahead(told: PlantResults, today: date) -> None:
     """Have what results tell read, as it is now and as it was known a week ago: once a day, and no more."""
+    # Else the plant's first page waits for it (commit ed736077).
     await told.newest(latest_day(today))
     await told.before(today - _WEEK)
 

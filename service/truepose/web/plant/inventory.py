@@ -209,4 +209,6 @@ async def get_plant_record(here: PlantHere, kind: Kinds, id: Id) -> dict[str, An
 
 
 def _upto() -> date:
+    # A clock that was wrong once would make a robot doubtful for ever: what is dated later counts only where
+    # there is nothing else (commit 3dbd1d75).
     return latest_day(datetime.now(UTC).date())
