@@ -62,6 +62,8 @@ def _outside_limits(totals: CorrectionTotals) -> Iterator[Message]:
         yield message(
             "corrections.outside",
             outside=totals.outside,
+            # Both: where only joints are outside the zone the sentence would say by up to 0 mm (commit
+            # c1062c34).
             farthest_deg=math.degrees(totals.farthest_outside_rad),
             farthest_mm=totals.farthest_outside_mm,
         )

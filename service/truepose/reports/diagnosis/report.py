@@ -111,6 +111,8 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
     return replace(
         front,
         figure=_gained(before, after, words),
+        # Not nominal and identified: both models are identified, and the cover once called the first one
+        # nominal (commit 5ccf6558).
         picture=error_bars(before, after, words, names=("before", "after")),
         caption=words.say("front.bars.diagnosis"),
     )
