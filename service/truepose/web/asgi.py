@@ -111,6 +111,8 @@ def application_of(
     app.router.routes += routes
     app.router.middleware_stack = Routing(app.router.middleware_stack, app.routes)
     problems.install(app)
+    # What is added last is outermost: who asks is known before a body is read (decision 0057), and a body is
+    # received before its request takes a place (decision 0022).
     app.add_middleware(ConcurrencyLimits)
     app.add_middleware(RequestLimits)
     operations = operations_of(app.routes)

@@ -83,6 +83,7 @@ async def claim_authority(
     if asker.everybody or asker.sign_in is None:
         return _reply(here, None, asker)
     held = here.people.leases.of(id)
+    # A page asks every few seconds: put on record, that would be a row each time.
     current_request().renews = held is not None and held.is_of(asker)
     if wanted.take_over:
         if not _is_fresh(here, asker):

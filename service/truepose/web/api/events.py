@@ -110,6 +110,8 @@ async def _stream(
         async with asyncio.timeout(stop_after_s):
             yield "retry: 1000\n\n"  # EventSource comes back after a second when the service restarts
             while not here.stopping.is_set():
+                # Taken before the events are read: what is committed while they are read wakes the stream at
+                # once.
                 commit = here.database.next_commit
                 found = await here.events.after(
                     Page(after, _BATCH), session_id=interest.session_id, job_id=interest.job_id

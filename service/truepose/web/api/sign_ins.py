@@ -135,6 +135,7 @@ async def sign_in(
 ) -> CallerReply:
     """Sign a browser in with name and password; the answer's cookie keeps it so."""
     known = here.people.accounts.register.named(wanted.name)
+    # Nobody is signed in yet, and the record of a refusal has to say as whom somebody tried.
     asked.about = None if known is None else known.name
     signed_in = await here.people.accounts.sign_ins.sign_in(
         wanted.name, wanted.password, wanted.tablet or "", asked.address

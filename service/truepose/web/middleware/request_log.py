@@ -90,6 +90,7 @@ class _Answer:
 
     def _begin(self, status: int, streams: bool) -> None:
         self._status, self._streams = status, streams
+        # Timed to the head of the answer: the body of a stream lasts for hours.
         self._watching.answered(self._operation, status, time.perf_counter() - self._begun_s)
         if streams:
             self._watching.streaming(+1)

@@ -84,4 +84,5 @@ def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
 
 def requested_operation(operations: RouteTable[Operation], method: str, path: str) -> Operation | None:
     """Return what is asked for; None where there is no such thing."""
+    # By the router's own patterns, in its order: what is judged has to be what will be answered.
     return next((o for o in operations.at(path) if method in o.methods and o.matches.match(path)), None)

@@ -75,6 +75,7 @@ def action_after(lineage: Lineage) -> NextAction | None:
     proof = lineage.newest(WorkKind.SESSION, PROOF)
     if proof is not None:
         return _of_proof(proof)
+    # From the end of the way: the last thing that was made says what follows.
     for find in (_of_correction, _of_model, _of_campaign, _of_session):
         step = find(lineage)
         if step is not None:

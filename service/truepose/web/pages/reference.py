@@ -48,6 +48,7 @@ async def colours(request: Request) -> Response:
 @router.get("/static/{name}", response_class=Response)
 async def static_file(request: Request, name: str) -> Response:
     """Send a style or a script of the plain pages and of what stands around reports."""
+    # Compared with what is there, and only then joined to the folder: no name leads out of it.
     if name not in {path.name for path in _STATIC.iterdir() if path.is_file()}:  # one segment of the path
         raise HTTPException(HTTPStatus.NOT_FOUND)
     return file_response(request, (_STATIC / name).read_bytes(), _MEDIA[Path(name).suffix])

@@ -66,6 +66,7 @@ def _texts(domain: str, language: str) -> bytes:
 @router.get("/static/tablet/{name:path}", response_class=Response)
 async def tablet_file(request: Request, name: str) -> Response:
     """Send a module or the style."""
+    # Looked up among the files that are there, never joined to a folder: no name leads out of it.
     file = _FILES.get(name)
     if file is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)

@@ -104,6 +104,7 @@ async def command_session(here: Here, id: Id, wanted: CommandRequest, key: Optio
     request is done once and gets the same answer. Another instrument than the expected one is accepted only
     by its serial number; confirmed without it, the session asks the instrument again who it is.
     """
+    # Before anything is refused: a refusal is on record under the command's name too.
     current_request().command = wanted.command
     await require_authority(here, id, wanted.command)
     kind = kind_of(await here.sessions.get(id))
