@@ -175,6 +175,7 @@ def _wave(joint: int, order: int, angle: FloatArray, residual: FloatArray) -> Wa
     rows, residual = rows - rows.mean(axis=0), residual - residual.mean()
     coefficients, *_ = np.linalg.lstsq(rows, residual, rcond=None)
     total, left = float(residual @ residual), float(((residual - rows @ coefficients) ** 2).sum())
+    # Less mean, cosine and sine.
     freedom = len(residual) - 3
     ratio = left / total if total > 0.0 else 1.0  # (1 + 2 F / m)^-1
     return Wave(joint, order, float(np.hypot(*coefficients)), ratio ** (freedom / 2.0))
