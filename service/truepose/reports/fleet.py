@@ -30,7 +30,7 @@ from truepose.fleet.trend import affected_campaigns, along, due, passing
 from truepose.fleet.trials import Kind
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import MISSING, format_rounded, uncertainty, with_uncertainty
+from truepose.reports.rounding import MISSING, format_fixed, format_rounded, uncertainty, with_uncertainty
 from truepose.reports.tables import Table, heads_of, on_terminal
 
 _KINDS: Final[dict[Kind, str]] = {
@@ -115,7 +115,7 @@ def shared_table(account: Account, words: Catalogue) -> Table:
 
 
 def _size(size_mm: float) -> str:
-    return f"{size_mm:.3f}" if math.isfinite(size_mm) else _AT_NO_SIZE
+    return format_fixed(size_mm, 3, "mm") if math.isfinite(size_mm) else _AT_NO_SIZE
 
 
 def _change_row(account: Account, named: RealChange, limit_mm: float, words: Catalogue) -> tuple[str, ...]:
@@ -127,7 +127,7 @@ def _change_row(account: Account, named: RealChange, limit_mm: float, words: Cat
         words.spoken(cause_said(change.cause)),
         words.say(_KINDS[change.kind]),
         day_of(change.since) or "",
-        with_uncertainty(named.size_mm, named.size_u_mm),
+        with_uncertainty(named.size_mm, named.size_u_mm, "mm"),
         "\n".join(filter(None, (day, _TO.join(between)))),
         rivals or MISSING,
     )
