@@ -97,7 +97,10 @@ class Request(BaseModel):
     @classmethod
     def _whole_numbers(cls, body: object) -> object:
         # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
-        return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+        try:
+            return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+        except RecursionError as error:
+            raise PydanticCustomError("too_deep", "it is nested too deep") from error
 
     @model_validator(mode="before")
     @classmethod
