@@ -12,6 +12,7 @@ from itertools import islice
 from typing import Final
 
 from truepose.domain.errors import RecordRefusedError
+from truepose.storage.errors import ConflictError
 from truepose.storage.people import ActRepository, PersonsAct
 
 _LOG: Final = logging.getLogger(__name__)
@@ -67,8 +68,19 @@ class ActLog:
             together = list(islice(self._waiting, _TOGETHER))
             # They leave the queue once they are on disk: what is refused is part of the next try, in its old
             # order.
-            await self._stored.add(together)
+            try:
+                await self._stored.add(together)
+            except ConflictError:
+                await self._add_each(together)
             for _ in together:
                 self._waiting.popleft()
         self._noted.clear()
         self._written.set()
+
+    async def _add_each(self, together: list[PersonsAct]) -> None:
+        """Keep acts one by one: one that the records do not allow must not keep the others from the disk."""
+        for act in together:
+            try:
+                await self._stored.add([act])
+            except ConflictError as error:
+                _LOG.error("an act of %s could not be put on record: %s", act.operation, error)

@@ -35,6 +35,8 @@ from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 
 COOKIE: Final = "truepose_sign_in"
 SECURE_COOKIE: Final = f"__Host-{COOKIE}"  # browsers take it over TLS only, for this host and all paths
+_CONTROLS: Final = re.compile(r"[\x00-\x1f\x7f]")
+_LONGEST_REASON: Final = 2000
 _BEARER: Final = re.compile(r"bearer +([A-Za-z0-9_-]{43})", re.ASCII | re.IGNORECASE)
 _SECRET: Final = re.compile(r"[A-Za-z0-9_-]{43}", re.ASCII)
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -191,7 +193,7 @@ def _record(scope: Scope, operation: Operation | None, asked: RequestRecord, sta
             "token" if asked.caller.token else "sign_in" if asked.caller.sign_in else None,
             asked.caller.tablet_name or None,
             asked.address or None,
-            asked.reason,
+            asked.reason and _as_kept(asked.reason),
         )
     )
 
@@ -216,4 +218,10 @@ def _resource(scope: Scope, operation: Operation | None) -> str:
     """Return where something was asked for, without a secret that stands in the path."""
     if operation is None:
         return "/"
-    return operation.path if "{secret}" in operation.path else str(scope["path"])[:200]
+    return operation.path if "{secret}" in operation.path else _as_kept(str(scope["path"]))[:200]
+
+
+def _as_kept(text: str) -> str:
+    """Return what somebody sent as it is put on record, whether it was refused or not."""
+    # PostgreSQL keeps no zero byte, and a refused body may state a reason of megabytes.
+    return _CONTROLS.sub(" ", text[:_LONGEST_REASON])

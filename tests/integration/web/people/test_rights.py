@@ -144,3 +144,28 @@ async def test_a_page_leads_whoever_is_unknown_to_signing_in(house):
         303,
         "/sign-in?next=/sessions/7%3Fstop_after_s%3D0.01",
     )
+
+
+@in_one_loop
+async def test_what_is_refused_is_on_record_without_control_characters(house, monkeypatch):
+    acts = []
+    monkeypatch.setattr(house.here.log, "note", acts.append)
+    async with house.of(Role.OPERATOR) as operator:
+        nowhere = await operator.post("/api/v1/devices/%00/connect")
+        body = {"command": "nothing", "reason": "\0" + 9000 * "x"}
+        unread = await operator.post("/api/v1/sessions/1/commands", json=body)
+
+    texts = [text for act in acts for text in (act.resource, act.reason) if text]
+    assert [act.status for act in acts] == [nowhere.status_code, unread.status_code] == [404, 422]
+    assert not [text for text in texts if "\0" in text or len(text) > 2000]
+
+
+@in_one_loop
+async def test_a_body_that_is_nested_too_deep_is_refused_before_anybody_is_known(house):
+    async with house.client() as nobody:
+        deep = 600 * "[" + 600 * "]"
+        reply = await nobody.post(
+            "/api/v1/sign-ins", content=f'{{"name": {deep}}}', headers={"Content-Type": "application/json"}
+        )
+
+    assert reply.status_code == 422
