@@ -9,6 +9,7 @@ from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 PORT = 7420  # ours, and free to choose: no registry lists it
+# A bridge sends a value at least once a second (README.md): twice that is silence.
 _VALUE_TIMEOUT_S = 2.0
 _UNKNOWN = "unknown"
 
@@ -26,6 +27,7 @@ class BridgedBallbar(OnePortDevice):
 
     async def connect(self) -> None:
         """Open the link and wait for a first value; raises ConnectFailedError."""
+        # Of this connection: a bridge that was started again counts from its own beginning.
         self._hello, self._last = Hello(), None
         await self._lines.open()
         async with introduction(self._lines), self._lines.turn():
@@ -80,6 +82,7 @@ class BridgedBallbar(OnePortDevice):
         if isinstance(message, Hello):
             self._hello = message
             return None
+        # A program that hangs repeats its last value; only the count tells it from a bar that is steady.
         self._require_new(message.sequence)
         if abs(message.deviation_mm) > self._hello.range_mm:  # a NaN is not
             raise BridgeProtocolError(

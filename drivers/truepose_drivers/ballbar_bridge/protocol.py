@@ -69,6 +69,7 @@ def encode(message: Message) -> bytes:
 def decode(line: bytes) -> Message:
     """Read a line; raises JsonLineError with a sentence for whoever writes the bridge."""
     document = decode_object(line)
+    # In every line, and before all else: a small value in inches would pass every other check.
     if document.get("unit", _UNIT) != _UNIT:
         raise BridgeProtocolError(f"unit is {str(document['unit'])[:40]!r}: values are sent in millimetres")
     if "deviation_mm" in document:
@@ -94,6 +95,7 @@ def _reading(document: dict[str, object]) -> BridgeReading:
     if sequence is not None and abs(sequence) > _HIGHEST_SEQUENCE:
         raise BridgeProtocolError(f"sequence is {sequence:.3g}; a count of values was expected")
     return BridgeReading(
+        # A number that comes without a signal is no measurement, whatever it is.
         math.nan if signal == "none" else deviation_mm,
         cast(Signal, signal),
         None if temperature is None else _number(temperature, "temperature_c"),

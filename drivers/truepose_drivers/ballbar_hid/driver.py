@@ -14,6 +14,7 @@ from truepose_drivers.transports.usb import LocalUsb, UsbDevice, usb_address
 
 _RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
 _REPORT_TIMEOUT_S = 0.5
+# Either way the count has lost its zero. A low battery does not touch the value and is let pass.
 _UNTRUSTED = protocol.Status.OVERSPEED | protocol.Status.NOT_REFERENCED
 
 
@@ -54,6 +55,7 @@ class HidBallbar:
 
     async def close(self) -> None:
         """Let the device rest and close it; never raises."""
+        # Closing does not wait for an exchange under way, so it sends nothing of its own into one.
         if self._port.is_open and not self._turns.taken:
             with contextlib.suppress(DriverError):
                 await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=False)))
@@ -79,6 +81,8 @@ class HidBallbar:
             deviation_mm=math.nan if signal == "none" else reading.deviation_mm,
             signal=signal,
             resolution_mm=1.0 / protocol.COUNTS_PER_MM,
+            # Not the device's time: it begins again every 71 minutes, and no other instrument shares its
+            # zero.
             time_s=await self._clock.now_s(),
             temperature_c=reading.temperature_c,
             sequence=reading.sequence,

@@ -140,6 +140,7 @@ def _report(kind: _Main, number: int, fields: tuple[Field, ...]) -> list[bytes]:
         items += [
             _unsigned(_Global.USAGE_PAGE, field.page),
             _unsigned(_USAGE, field.usage),
+            # Hosts read the data of these two items as signed: a maximum of 255 takes two bytes, not one.
             _signed(_Global.LOGICAL_MINIMUM, field.minimum),
             _signed(_Global.LOGICAL_MAXIMUM, field.maximum),
             _unsigned(_Global.UNIT, field.unit),

@@ -14,6 +14,7 @@ from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
 _REPLY_TIMEOUT_S = 1.0  # on top of the time on the line; a counter takes 50 ms at most
+# Eleven bits a character at 7E2: start, seven of data, parity, two stops.
 _ON_THE_LINE_BITS = 80 * 11  # of three commands and their answers
 _MOST_REFUSALS = 3
 _IDENTITY_LINES = 3
@@ -74,9 +75,11 @@ class HeidenhainCounter(OnePortDevice):
                 )
         time_s = await self._clock.now_s()
         resolution_mm = protocol.to_mm(1, lamps)
+        # What A0200 answers while an error is displayed is not in the manual: the error decides alone.
         if answers.value is None or answers.error_text is not None:
             return BallbarReading(math.nan, "none", resolution_mm, time_s)
         deviation_mm = protocol.to_mm(protocol.decode_count(answers.value), lamps)
+        # The counter does not know the range of the gauge; the limits of its sorting mode are set to it.
         sorted_out = lamps.below or lamps.above
         return BallbarReading(deviation_mm, "out_of_range" if sorted_out else "good", resolution_mm, time_s)
 
@@ -153,6 +156,7 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
     if not reply.opened:
         return answers  # an operator pressed PRINT meanwhile
     kind = protocol.reply_kind(reply)
+    # Error, value, lamps is the order of the questions: behind the value only the lamps can be of this turn.
     if answers.value is not None and kind != "lamps":
         raise protocol.NdProtocolError(
             f"{reply.text!r} answers nothing that was asked: it is left from before"
@@ -178,6 +182,7 @@ def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:
     return HeidenhainCounter(
         SerialLink(port, replace(_FACTORY, baud=baud)),
         clock or MonotonicClock(),
+        # At 110 baud the characters alone are on the line for 8 s, which must not pass for silence.
         reply_timeout_s=_REPLY_TIMEOUT_S + _ON_THE_LINE_BITS / baud,
     )
 

@@ -213,6 +213,7 @@ class RequestReader(StreamReader):
         if self._buffer[0] != ESC:
             return self._control()
         end = self._buffer.find(_CR)
+        # A command without an end is given up when it would have filled the counter's buffer.
         if end < 0 and len(self._buffer) <= BUFFER_CHARACTERS:
             return None
         data = self._take(end + 1 if end >= 0 else len(self._buffer))

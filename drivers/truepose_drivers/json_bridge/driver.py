@@ -180,7 +180,9 @@ class BridgedTracker(OnePortDevice):
     async def initialise(self) -> None:
         """Have the instrument made ready; what is measured comes in its own frame."""
         self._serial = None
+        # The serial number is forgotten beforehand: an initialisation that breaks off leaves nothing ready.
         ready = await self._ask("initialise", _ready, longest_s=_WARM_UP_S)
+        # The count goes on from here, so that a value frozen before the instrument was ready is refused too.
         self._measures, self._newest, self._serial = ready
 
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
@@ -234,6 +236,8 @@ class BridgedTracker(OnePortDevice):
     def _of_ours(self, answer: protocol.Answer) -> protocol.Answer:
         """Return an answer of the instrument that was initialised; raises NotInitialisedError."""
         if answer.serial != self._serial:
+            # Points of another instrument lie in another frame: nothing is measured before it was
+            # initialised, and before a person has accepted it.
             before, self._serial = self._serial, None
             raise NotInitialisedError(
                 f"another instrument answers, {answer.serial} where {before} was made ready: initialise it"
@@ -274,6 +278,8 @@ class BridgedTracker(OnePortDevice):
                         f"the bridge answered question {reply.number}, {self._asked} was asked"
                     )
                 case protocol.Failure(_, kind, sentence):
+                    # A word that we do not know counts as a refusal, which leaves the link open for the next
+                    # question.
                     raise _FAILURES.get(kind, DeviceRefusedError)(sentence)
                 case protocol.Answer() as answer:
                     return answer

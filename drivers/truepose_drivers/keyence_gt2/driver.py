@@ -46,6 +46,8 @@ class KeyenceUnit:
 
 
 async def _ask_all(ask: Ask[protocol.Reply], channels: Sequence[int]) -> tuple[protocol.Amplifier, ...]:
+    # One question for all of them, so that the gauges of a fixture are read at one moment. MS, not M0: the
+    # limits set at an amplifier belong to the value that they judge.
     reply = await ask(protocol.encode_question(protocol.STATES_AND_VALUES))
     match reply:
         case protocol.Amplifiers(command, amplifiers) if command == protocol.STATES_AND_VALUES:

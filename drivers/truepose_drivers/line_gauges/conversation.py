@@ -202,6 +202,8 @@ class LineGauges(OnePortDevice, Generic[Message]):
 
     async def _displays_in_form(self) -> Sequence[Display]:
         shown = await self._all_displays()
+        # Two values in a row must agree on the form: one alone may be the one that lost a digit. Of those
+        # read while learning only the last is returned.
         for _ in range(MOST_LESSONS):
             if all(form.known or one.value is None for form, one in zip(self._forms, shown, strict=True)):
                 break

@@ -39,6 +39,7 @@ class TextLines(StreamReader, Generic[Message]):
 
     def next_message(self) -> Message | None:
         """Take the oldest whole line, None until more arrives; raises RemoteProtocolError."""
+        # Makers end lines with CR, LF or both. So the LF of a CR LF stands before the line that follows.
         del self._buffer[: len(self._buffer) - len(self._buffer.lstrip(_ENDS))]
         end = min((at for at in map(self._buffer.find, (b"\r", b"\n")) if at >= 0), default=-1)
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_LINE:
@@ -109,6 +110,8 @@ class ValueForm:
 
     def learn(self, before: Value, after: Value) -> None:
         """Take the form of two values that follow each other, where they agree and may be millimetres."""
+        # Learnt once and then kept, over connections too: a key pressed later may have changed the unit, and
+        # the line does not tell the unit.
         if self._form is None and before.form == after.form and before.decimals in self._acceptable_decimals:
             self._form = before.form
 

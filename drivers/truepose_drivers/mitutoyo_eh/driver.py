@@ -47,10 +47,13 @@ class EhCounter:
 
     async def _ask_channel(self, ask: Ask[protocol.Reply], channel: int) -> Display:
         reply = await ask(protocol.encode_question(protocol.Question("GA", channel), self._end))
+        # The codes behind CE are not in the manual at hand: each of them counts as a gauge without a value.
         if isinstance(reply, protocol.Refusal):
             return Display(None)
         if not isinstance(reply, protocol.CounterValue) or reply.channel != channel:
             raise LineGaugeError(f"the counter answered GA{channel:02d} with {reply}: connect again")
+        # A greatest or least value that is held looks like the value itself; this letter alone tells them
+        # apart.
         if reply.mode != "N":
             raise LineGaugeError(
                 f"channel {channel} holds its greatest, least or span (G{reply.mode}), not its value:"
@@ -69,6 +72,8 @@ def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
 
 
 def _end(options: Options) -> bytes:
+    # An option because the counters' own manual was not at hand: the mnemonics are those of the ID-H, the
+    # ends of lines may be others.
     name = option.text(options, "terminator") or "CR LF"
     if name not in protocol.ENDS:
         raise ConfigurationError(f"option terminator is {name!r}: give one of {', '.join(protocol.ENDS)}")

@@ -42,6 +42,7 @@ class MitutoyoBox:
 
 
 def _display(reply: protocol.Reply, channel: int) -> Display:
+    # 91n does not name its channel, so it cannot be held against the one that was asked.
     if isinstance(reply, protocol.NoValue):
         return Display(None)
     if reply.channel != channel:

@@ -15,6 +15,8 @@ from truepose_drivers.usb.protocol import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
 
 _REPLY_TIMEOUT_S = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _ANY_CABLE = f"{protocol.VENDOR:04x}:{protocol.PRODUCT:04x}"
+# A Digimatic gauge does not tell that it stands at its stop. Unless told otherwise it is taken for a
+# ballbar's, which travels 1 mm either way.
 _RANGE_MM = 1.0
 _MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
 _PLUG = "unplug the cable and plug it in again"
@@ -53,6 +55,8 @@ class UsbItnGauge:
         await self._replies.open()
         async with self._replies.turn():
             try:
+                # Set the mode, read it back, then ask: the order of the public clients. Mitutoyo publishes
+                # nothing about it, so no step is left out.
                 await self._port.control_out(VENDOR_TO_DEVICE, protocol.SET_MODE, protocol.SERIAL_MODE)
                 await self._port.control_in(VENDOR_FROM_DEVICE, protocol.GET_MODE, 0, 0, 1)
                 await self._ask_device()

@@ -87,8 +87,10 @@ class PolarisTracker(OnePortDevice):
         Raises DeviceRefusedError where the camera cannot, or cannot use the definition.
         """
         self._handle = None
+        # What state the program before left the camera in nobody knows: each step here undoes one such state.
         await self._stop()
         await self._okay(protocol.Request("INIT"), timeout_s=_START_UP_TIMEOUT_S)
+        # What other programs left takes up places, of which a camera has few (errors 28 and 2D).
         for handle, _ in protocol.decode_handles(await self._text(_ALL_HANDLES)):
             await self._okay(protocol.Request("PHF", f"{handle:02X}"))
         handle = protocol.decode_handle(await self._text(protocol.ANY_PASSIVE_TOOL))
@@ -96,6 +98,7 @@ class PolarisTracker(OnePortDevice):
             await self._okay(write)
         await self._okay(protocol.Request("PINIT", f"{handle:02X}"))
         await self._okay(protocol.Request("PENA", f"{handle:02X}D"))
+        # 80 begins the count of frames again: whatever comes from now on is newer than frame 0.
         await self._okay(protocol.Request("TSTART", "80"), timeout_s=_START_UP_TIMEOUT_S)
         self._frame = 0
         await self._choose_form(handle)
@@ -137,6 +140,7 @@ class PolarisTracker(OnePortDevice):
     async def _next_frame(self, handle: int) -> protocol.ToolFrame:
         """Return the artefact in the next frame; raises NoReplyError where the frames stand still."""
         loop = asyncio.get_running_loop()
+        # Wall time: the question is whether the camera hangs. How long is measured goes by the cell's clock.
         give_up_s = loop.time() + _STANDING_S
         while True:
             tool = await self._tool(handle)
@@ -264,6 +268,7 @@ def _binary(reply: protocol.Reply) -> protocol.Binary:
 
 def _seen(tool: protocol.ToolFrame) -> protocol.ToolPose | _Lost:
     """Return the pose of a frame, or why there is none to be trusted."""
+    # Before the pose: in mode 0801 the camera states poses outside its volume too, and they are never used.
     if tool.status & protocol.PortStatus.OUT_OF_VOLUME:
         return "outside"
     if tool.pose is None:

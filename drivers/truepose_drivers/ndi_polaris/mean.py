@@ -45,6 +45,7 @@ def _mean_quaternion(quaternions: Sequence[Quaternion]) -> Quaternion:
     first = quaternions[0]
     sums = [0.0] * 4
     for quaternion in quaternions:
+        # q and -q are one orientation; summed as they come they would cancel each other.
         side = math.copysign(1.0, _dot(quaternion, first))
         sums = [total + side * part for total, part in zip(sums, quaternion, strict=True)]
     length = math.copysign(math.hypot(*sums), sums[0])
@@ -57,6 +58,7 @@ def _turn_rad(one: Quaternion, other: Quaternion) -> float:
     length = math.hypot(*one)
     side = math.copysign(length, _dot(one, other))
     chord = math.hypot(*(a / side - b for a, b in zip(one, other, strict=True)))
+    # |a - b| = 2 sin(turn / 4) for unit quaternions; rounding may take half the chord beyond 1.
     return 4.0 * math.asin(min(1.0, chord / 2.0))
 
 

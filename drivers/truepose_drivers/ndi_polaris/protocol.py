@@ -83,6 +83,8 @@ class RequestReader(StreamReader):
         """Take the oldest whole request, None until more arrives; raises RemoteProtocolError."""
         end = self._buffer.find(b"\r")
         if end < 0:
+            # Twice the longest: a request that is only too long is whole when it ends, and is refused with
+            # error 02.
             if len(self._buffer) > 2 * _LONGEST_REQUEST:
                 raise RemoteProtocolError("a request does not end: is this the right port?")
             return None
@@ -96,6 +98,7 @@ def _read(line: bytes) -> ReceivedRequest:
     if found is None or not line.isascii():
         return DamagedRequest()
     name, mark, rest = found.groups()
+    # The form with a blank has no checksum.
     if mark == b":":
         if crc_text(line[:-_CRC_DIGITS]) != line[-_CRC_DIGITS:].upper():
             return DamagedRequest(checksum=True)
@@ -349,6 +352,7 @@ def _binary_tools(body: bytes) -> list[ToolFrame]:
         handle, state = _STATE.unpack_from(body, at)
         at += _STATE.size
         pose = None
+        # Neither port status nor frame follow a disabled handle.
         if state == _DISABLED:
             tools.append(ToolFrame(handle, None, disabled=True))
             continue

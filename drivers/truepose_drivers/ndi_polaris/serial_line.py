@@ -47,6 +47,7 @@ class CameraLine(OverPort):
             await self._heard(RESET, _STARTED_WITHIN_S, "did not start again")
             await self._line.send(encode_request(_FASTER))
             await self._heard(OKAY, _AGREED_WITHIN_S, "did not agree to 115200 baud")
+            # The camera agrees at the old speed and changes afterwards.
             await asyncio.sleep(_SWITCHED_S)
             await self._line.set_baud(_FAST_BAUD)
         except LinkError as error:
