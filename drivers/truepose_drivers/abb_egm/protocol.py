@@ -69,6 +69,7 @@ class RobotFrame:
 
     def follows(self, before: "RobotFrame") -> bool:
         """Whether it is newer, by its number and by its time."""
+        # By both: a stream that goes on counting while its clock stands repeats an old place.
         return _is_later(self.sequence, before.sequence) and _is_later(self.time_ms, before.time_ms)
 
 
@@ -106,6 +107,7 @@ def encode_robot(frame: RobotFrame) -> bytes:
 
 
 def _is_later(number: int, before: int) -> bool:
+    # Milliseconds in 32 bits begin anew after 50 days, and a controller may run for longer.
     return 0 < (number - before) % COUNTED_TO < COUNTED_TO // 2
 
 

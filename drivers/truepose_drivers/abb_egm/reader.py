@@ -45,8 +45,11 @@ class EgmReader(OnePortDevice):
         other comes, EgmProtocolError for what is no frame; either closes the port.
         """
         async with self._turns.turn():
+            # The system keeps what arrives while nobody reads: those frames are older than the question.
             await drain(self._source)
             with contextlib.suppress(TimeoutError):
+                # Frames that are not newer may come for ever: the time-out of a single receive would never
+                # end that.
                 async with asyncio.timeout(self._fresh_within_s):
                     return await self._newer()
             raise NoReplyError(

@@ -35,6 +35,7 @@ class RwsCompanion:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
         await self._session.open()
         try:
+            # The login goes with the first question, so a wrong password shows here and not under way.
             await self._session.get(protocol.CONTROLLER_STATE, controller_state)
         except DriverError:
             await self._session.close()

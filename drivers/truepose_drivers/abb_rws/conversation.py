@@ -82,6 +82,8 @@ class RwsSession:
     ) -> Value:
         async with self._conversation.turn():
             response = await self._answer(method, target, body)
+            # The first question brings the challenge, and so does one whose nonce has expired. It is asked
+            # again once: a second 401 is a wrong password.
             if response.status == _UNAUTHORISED:
                 self._challenge, self._answered = (
                     http.decode_challenge(response.header("www-authenticate")),
@@ -114,6 +116,7 @@ class RwsSession:
             raise http.RwsProtocolError("the robot answered more than was asked: connect again")
         self._requests += 1
         self._ends = response.ends_connection
+        # A controller has 70 sessions at most; without its cookies every question would begin another one.
         self._cookies |= response.cookies
         return response
 
@@ -122,6 +125,7 @@ class RwsSession:
             raise ConnectionLostError(
                 f"there is no connection to {self._conversation.address}: connect first"
             )
+        # Between two exchanges, never within one. The session lasts beyond its connection, in its cookies.
         if self._ends or self._requests >= _MOST_REQUESTS:
             await self._conversation.open()
             self._requests = 0

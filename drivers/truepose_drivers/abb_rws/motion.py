@@ -78,6 +78,7 @@ class RapidProgram:
             raise NotInitialisedError(f"the robot cannot move: {now.obstacle}; then confirm")
         await self._require_ours()
         if now.execution is protocol.Execution.STOPPED:
+            # From its beginning: a program that was stopped within a motion would first end that motion.
             await self._session.act(protocol.EXECUTION, "resetpp")
             await self._session.act(protocol.EXECUTION, "start", _START)
 

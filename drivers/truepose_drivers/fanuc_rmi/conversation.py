@@ -174,6 +174,9 @@ class Handover:
         second, self._second = self._second, None
         if second is not None:
             with contextlib.suppress(LinkError):
+                # A session that ends without it leaves program RMI_MOVE holding the controller, which then
+                # refuses the next FRC_Initialize (error 7015) until somebody deselects the program on the
+                # pendant.
                 await second.send(_GOODBYE)
                 await second.receive(_GOODBYE_S)
             await second.close()
@@ -181,6 +184,7 @@ class Handover:
     async def _go_on(self) -> None:
         if not self._first.is_open:
             await self._first.open()
+        # Asked anew at each try: some controllers name a port to a second client too, and let it wait there.
         port = await self._ask_for_port()
         second = self._to_port(port)
         await second.open()

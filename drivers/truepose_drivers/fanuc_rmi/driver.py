@@ -59,6 +59,7 @@ class TimeOuts:
     alive_s: float = 0.5  # of silence during a motion, after which it is asked whether it is there
     motion_s: float = 20.0  # of each piece, in addition to its motion: somebody holds it at the pendant
     newer_s: float = 0.5  # for joints that are newer than the last ones
+    # About 2.7 s were measured on a controller between a clean goodbye and the next session.
     next_client_s: float = 3.0  # after the last client has left
 
 
@@ -107,6 +108,7 @@ class RmiRobot(OnePortDevice):
         self._stated, self._exchanges.holds = None, True
         await self._exchanges.open()
         try:
+            # Joints are told before FRC_Initialize, which would lock the motion group against hand guiding.
             await self._newest_axes()  # those of the first reading must be newer
         except (LinkError, DeviceRefusedError) as error:
             await self._link.close()

@@ -145,6 +145,8 @@ class TrackerConversation:
                     if status != protocol.ResultStatus.ALL_OK:
                         raise error_for(command, status, purpose)
                     return values
+                # An error packet may stand in place of an answer; what it names is the command that was
+                # active, which need not be the one that was asked.
                 case protocol.ErrorReport(active, status) if about_anything or active == command:
                     raise error_for(command, status, purpose)
 
@@ -164,6 +166,7 @@ class TrackerConversation:
                 )
 
     async def _ask_for_sign_of_life(self) -> None:
+        # With its queue of commands on it would answer only when it is done: silence tells nothing there.
         if not self.answers_while_busy:
             return
         if self._owes_sign:
@@ -188,6 +191,7 @@ class TrackerConversation:
 
     def _take(self, frame: protocol.Frame) -> protocol.FromServer:
         packet = protocol.decode_from_server(frame)
+        # Comes unasked and for whatever command is under way: the tracker is gone, or another program has it.
         if isinstance(packet, protocol.ErrorReport) and concerns_connection(packet.status):
             raise error_for(packet.command, packet.status, "set")
         if isinstance(packet, protocol.StatusChange):

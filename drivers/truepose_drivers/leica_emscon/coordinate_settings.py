@@ -102,6 +102,7 @@ class CoordinateSettings:
     async def require(self, *, everything: bool) -> None:
         """Read back what may have changed; raises NotInitialisedError where something has."""
         for item in (*_EVERY_TIME, *self._after_changes) if everything else _EVERY_TIME:
+            # What the server did not know when it was initialised it does not know now.
             before = self._found.get(item.getter)
             if before is None:
                 continue

@@ -176,6 +176,7 @@ def _stated_covariance(values: Record) -> tuple[Vector, Vector, Vector] | None:
     u1, u2, u3 = values.vector("apriori_std1", "apriori_std2", "apriori_std3")
     if not all(math.isfinite(u) and u > 0.0 for u in (u1, u2, u3)):
         return None
+    # The packet of standard statistics has deviations alone; only that of the extended ones has mixed terms.
     mixed = ("apriori_covar12", "apriori_covar13", "apriori_covar23")
     c12, c13, c23 = values.vector(*mixed) if mixed[0] in values else (0.0, 0.0, 0.0)
     return (u1 * u1, c12, c13), (c12, u2 * u2, c23), (c13, c23, u3 * u3)  # ** would raise where * is inf

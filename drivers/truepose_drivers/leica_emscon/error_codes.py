@@ -112,6 +112,8 @@ def error_for(command: int, status: int, purpose: Purpose) -> DriverError:
         return NotInitialisedError(f"the tracker refused {name}: it is not initialised, initialise it first")
     if status == ResultStatus.NOT_IMPLEMENTED:
         return CommandUnknownError(f"the tracker refused {name}: this model does not know the command")
+    # Before the refusals, which know these statuses too: during a measurement they mean a hidden probe, which
+    # a person can clear, and not a tracker without one.
     if purpose == "measure_pose" and status in _NO_PROBE:
         return ArtefactNotSeenError(
             f"the tracker does not see the probe ({name}, {_status_name(status)}): clear the line of sight,"

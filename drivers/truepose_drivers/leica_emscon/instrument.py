@@ -113,6 +113,7 @@ class EmsconInstrument(OnePortDevice, ABC):
         self._prepared = False
         self._measures = ""
         await self._learn_whether_it_queues()
+        # Before anything that carries a length: a tracker that was switched off speaks metres.
         await self._ask(Command.SET_UNITS, UNITS)
         await self._start_up()
         await self._ask(Command.SET_MEASUREMENT_MODE, mode)
@@ -150,6 +151,7 @@ class EmsconInstrument(OnePortDevice, ABC):
         return "emScon laser tracker"
 
     async def _start_up(self) -> None:
+        # Starting up takes up to minutes, and is needed once after the tracker was switched on.
         if await self._is_started_up():
             return
         await self._conversation.ask(Request(Command.INITIALIZE), timeout_s=self._time_outs.initialise_s)
@@ -181,6 +183,8 @@ class EmsconInstrument(OnePortDevice, ABC):
 
     async def _require_prepared(self) -> None:
         if not self._prepared:
+            # Also where a program before us had started it up: its units, frame and reflector are not known
+            # to be ours.
             raise NotInitialisedError("the tracker was not initialised since it was connected: do so first")
         if self._conversation.take_changes() & TELLING_CHANGES:
             await self._require_settled(everything=True)
@@ -201,6 +205,8 @@ class EmsconInstrument(OnePortDevice, ABC):
                 accept_s=self._time_outs.command_s, result_s=duration_s + self._time_outs.result_s
             )
             await self._require_settled()
+            # Announcements of what happened during the measurement stand before its result; a change that was
+            # set back in time is found by them alone.
             if not self._conversation.take_changes() & TELLING_CHANGES:
                 await self._require_new(values)
                 return values

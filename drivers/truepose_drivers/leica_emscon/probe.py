@@ -76,6 +76,7 @@ def unit_quaternion(values: protocol.Record) -> Quaternion:
 def _require_fit(status: int) -> None:
     for bit, error in _UNFIT.items():
         if status & bit:
+            # A new one each time: an exception keeps its traceback and its cause, and the table lives on.
             raise type(error)(*error.args)
     if status & protocol.RotationStatus.ERROR or not status & protocol.RotationStatus.VALID:
         raise ArtefactNotSeenError(
@@ -168,6 +169,7 @@ class ProbeTracker(EmsconInstrument):
 
     async def _present_probe(self) -> protocol.Record:
         """Return the probe that the beam is on, by the tracker's list."""
+        # The tracker knows a probe by itself, no command chooses one: so it is asked which one is there.
         present = (await self._ask(protocol.Command.GET_PROBE))["internal_probe_id"]
         known = await self._conversation.ask_list(
             protocol.Command.GET_PROBES, timeout_s=self._time_outs.command_s

@@ -71,6 +71,8 @@ class FrameReader(StreamReader):
         if len(self._buffer) < _HEADER.size:
             return None
         size, packet_type = _HEADER.unpack_from(self._buffer)
+        # Packets have neither a mark nor a checksum: once a length is wrong, nothing tells where the next one
+        # begins.
         if not SHORTEST_PACKET_BYTES <= size <= LONGEST_PACKET_BYTES:
             raise PacketError(
                 f"the stream announces a packet of {size} bytes; emScon packets have"

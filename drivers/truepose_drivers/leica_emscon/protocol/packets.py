@@ -203,6 +203,7 @@ def decode_request(packet: Frame) -> Request:
     A number without a layout keeps its place, without members. Raises ShortRequestError when members
     are missing and PacketError when the packet is not a command; bytes too many are ignored.
     """
+    # Clients send nothing else; results and announcements go the other way only.
     if packet.packet_type != PacketType.COMMAND:
         raise PacketError(f"a client sent a packet of type {packet.packet_type}; requests have type 0")
     (command,) = _WORD.unpack_from(packet.data, _FIRST_MEMBER)
