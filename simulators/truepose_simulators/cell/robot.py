@@ -114,6 +114,8 @@ class Robot:
         share = np.linspace(0.0, 1.0, _PATH_SAMPLES)[:, np.newaxis]
         start, target = self.target_rad, waypoints_rad[0]
         path: FloatArray = start + share * (target - start)
+        # To the last bit: start + (target - start) may miss the target, and the same target sent again would
+        # then be another motion, with another scatter.
         path[-1] = target
         return path
 

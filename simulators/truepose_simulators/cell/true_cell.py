@@ -321,6 +321,7 @@ class Cell:
     def _check_stands(self, planted: PlantedEffects, time_s: float) -> None:
         """Raise NoEquilibriumError when the arm would fold under its weight with these effects."""
         lower, upper = self.plant.arm.limits_rad.T
+        # Draws of its own: this check must not shift what the cell draws for its readings.
         tries = np.random.default_rng(0).uniform(lower, upper, (_TRIED_STOPS, len(lower)))
         conditions = self._conditions(tries, time_s)
         find_rest(self.plant, planted.arm, conditions, planted.mass_changes(conditions))

@@ -60,7 +60,10 @@ class ProbeSetup:
 
 
 def covariance_mm2(setup: TrackerSetup, position_mm: FloatArray) -> FloatArray:
-    """Covariance that the accuracy model states for readings, tracker frame, (..., 3) -> (..., 3, 3)."""
+    """Covariance that the accuracy model states for readings, tracker frame, (..., 3) -> (..., 3, 3).
+
+    With u the direction of the beam and s the standard deviations: s_along^2 u u' + s_across^2 (1 - u u').
+    """
     beam, along, across = _beam_and_deviations_mm(setup, position_mm)
     projector = beam[..., :, np.newaxis] * beam[..., np.newaxis, :]
     off_beam = across[..., np.newaxis] ** 2 * (np.eye(3) - projector)
@@ -94,6 +97,7 @@ def _unit_noise(setup: TrackerSetup, shape: tuple[int, ...], rng: np.random.Gene
     freedom = setup.noise_degrees_of_freedom
     if freedom is None:
         return rng.standard_normal(shape)
+    # Student's t has the variance f / (f - 2); scaled, its tails alone differ from the normal ones.
     scaled: FloatArray = rng.standard_t(freedom, shape) * np.sqrt((freedom - 2.0) / freedom)
     return scaled
 

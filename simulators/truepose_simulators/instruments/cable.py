@@ -52,6 +52,7 @@ class FaultyCable:
         if self._holds(LinkCut):
             await self.in_vain()
             return None
+        # Abort, not close: what was still to be sent is lost with the cable.
         connection = Connection(self, writer.transport.abort)
         return CableReader(reader, connection), CableWriter(writer, reader, connection)
 

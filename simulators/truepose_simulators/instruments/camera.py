@@ -72,6 +72,7 @@ class Camera:
         """Draw what this stop and this frame add to each nest."""
         if self._cell.noise is None:
             return np.zeros(shape)
+        # By stop and frame, not from a generator that runs on: a frame that is asked for twice is the same.
         stop = (self._cell.seed, _OF_THE_CAMERA, self._cell.robot.stop_number)
         of_stop, of_frame = (
             np.random.default_rng(key).standard_normal(shape) for key in (stop, (*stop, frame))
@@ -84,6 +85,7 @@ class Camera:
         first, second, third = nests_mm[:3]
         normal = np.cross(third - first, second - first)
         centre = nests_mm.mean(axis=0)
+        # Behind the camera, which looks along its negative z axis.
         if centre[2] >= 0.0:
             return False
         cosine = float(normal @ -centre / (np.linalg.norm(normal) * np.linalg.norm(centre)))

@@ -92,6 +92,8 @@ class Endpoint:
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         task = asyncio.get_running_loop().create_task(self._attend(reader, writer))
+        # The loop itself keeps no more than a weak reference to a task, which may then be collected while it
+        # runs.
         self._connections.add(task)
         task.add_done_callback(self._connections.discard)
 

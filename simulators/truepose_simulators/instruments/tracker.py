@@ -155,6 +155,8 @@ class Tracker:
         if self._rng is None:
             return PointMeasured(self._spoil(target.name, true_mm), apriori + smear, apriori, samples)
         noise = noise_mm(self.setup, true_mm, self._rng)
+        # A variance estimated from n samples scatters about the true one like chi-squared of n - 1 over n -
+        # 1.
         shown = self._rng.chisquare(samples - 1) / (samples - 1) if samples > 1 else 1.0
         measured = true_mm + face_error_mm(self.setup, true_mm, self.face) + noise
         return PointMeasured(self._spoil(target.name, measured), apriori * shown + smear, apriori, samples)

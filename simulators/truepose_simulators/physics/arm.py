@@ -123,7 +123,10 @@ class Bodies:
 
 
 def screw_rotations(arm: Arm, angles_rad: FloatArray) -> FloatArray:
-    """exp(S_i theta_i) of every joint, shape (n, J) -> (n, J, 4, 4)."""
+    """exp(S_i theta_i) of every joint, shape (n, J) -> (n, J, 4, 4).
+
+    R = 1 + sin(theta) K + (1 - cos(theta)) K K (Rodrigues); a point q of the axis stays: t = q - R q.
+    """
     points = arm.seats[:, :3, 3]
     k, k_k = arm.axis_crosses
     sine = np.sin(angles_rad)[..., np.newaxis, np.newaxis]

@@ -32,6 +32,8 @@ def probe_on_plane_mm(
     tip_mm: FloatArray, axis: FloatArray, point_mm: FloatArray, normal: FloatArray, radius_mm: float
 ) -> float:
     """Return how far a tip gives way to a plane, whose normal points away from it; a probe along it: none."""
+    # (tip - s axis - point) . normal = radius, solved for s. An axis that does not point at the plane never
+    # meets it.
     height = float((tip_mm - point_mm) @ normal) - radius_mm
     against = float(axis @ normal)
     return height / against if against < 0.0 else -math.inf
@@ -117,6 +119,8 @@ class PlaneAtSensor:
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
         """Return where the beam meets the plane, from the nest on, shape (n, 1)."""
+        # In the frame of the plane the beam is at height z + s z' after s: it meets the plane where that is
+        # 0.
         sensor = inverse(self.frame) @ last_frame @ motion(nest_mm, self.sensor)
         met: FloatArray = -sensor[:, 2, 3:] / sensor[:, 2, 2:3]
         return met

@@ -71,7 +71,11 @@ def _placed(
 def gravity_torques(
     bodies: Bodies, masses: Sequence[PlacedMass], gravity_m_s2: Vector = GRAVITY_M_S2
 ) -> FloatArray:
-    """Torque of gravity (world) about every joint axis [N mm], positive along the axis, shape (n, J)."""
+    """Torque of gravity (world) about every joint axis [N mm], positive along the axis, shape (n, J).
+
+    tau_j = z_j . (sum of m (r - p_j)) x g over all masses on joint j and beyond; z_j and p_j are direction
+    and a point of the axis. Masses and first moments are summed once, so each joint costs the same.
+    """
     n, n_joints = bodies.axis_points_mm.shape[:2]
     mass = np.zeros((n, n_joints, 1))
     first_moment = np.zeros((n, n_joints, 3))  # [kg mm] of what hangs on each joint alone

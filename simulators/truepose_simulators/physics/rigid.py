@@ -95,6 +95,7 @@ def to_rotation_vector(rotation_matrix: FloatArray) -> FloatArray:
     quaternion = to_quaternion(rotation_matrix)
     sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, quaternion[..., :1])
+    # The vector is angle / sine times the vector part; without a turn that ratio tends to 2.
     ratio = np.divide(angle, sine, out=np.full_like(angle, 2.0), where=sine > 0.0)
     vector: FloatArray = ratio * quaternion[..., 1:]
     return vector
@@ -115,6 +116,7 @@ def register(from_mm: FloatArray, onto_mm: FloatArray) -> FloatArray:
     """Return the motion, shape (4, 4), of points (m, 3) onto others in the least squares sense."""
     centre_from, centre_onto = from_mm.mean(axis=0), onto_mm.mean(axis=0)
     u, _, vt = np.linalg.svd((onto_mm - centre_onto).T @ (from_mm - centre_from))
+    # Three points, or any in a plane, fit their mirror image as well; the sign keeps it a rotation.
     handed = np.diag([1.0, 1.0, float(np.sign(np.linalg.det(u @ vt)))])
     turned = u @ handed @ vt
     return motion(centre_onto - turned @ centre_from, turned)

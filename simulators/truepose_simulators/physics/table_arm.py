@@ -76,6 +76,8 @@ def zero_frames(rows: Sequence[TableRow]) -> FloatArray:
 
 def link_motion(row: TableRow, errors: RowErrors) -> FloatArray:
     """Motion (6,) of a link, in the seat of its joint, that makes the nominal row the erroneous one."""
+    # RotX and TransX commute, and so do RotZ and TransZ: the errors of a row may stand together between its
+    # two halves. The seat is further on by d along z, and turned where the joint counts backwards.
     error = _row(errors.alpha_rad, errors.a_mm, errors.beta_rad, errors.theta_rad, errors.d_mm)
     seat = _along_z(row.d_mm) @ _sense(row)
     return to_six(inverse(seat) @ error @ seat)
