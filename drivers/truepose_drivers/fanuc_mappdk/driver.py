@@ -155,6 +155,7 @@ class MappdkRobot:
         when a fault ends its program.
         """
         target_deg = self._shown_deg(target_rad)
+        # Whose server it is decides how a motion is sent, and what ends it when nobody waits any more.
         if self._watches is None:
             await self.identify()
         await self._have_watched()
@@ -203,6 +204,7 @@ class MappdkRobot:
     async def _joints_under_way(self) -> Angles | None:
         try:
             logger = await self._opened_logger()
+            # Not being able to look ends no motion: its own reply says how it went.
             return None if logger is None else protocol.joint_angles_deg(await self._ask_joints(logger))
         except DriverError:
             return None

@@ -192,6 +192,8 @@ class RmiRobot(OnePortDevice):
         if self._exchanges.holds or not status.running:
             await self._initialise(status)
             status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
+            # Read back, not begun at 1: on some controllers the count outlives FRC_Initialize, and a number
+            # out of turn is refused or silently dropped.
             self._sequence = status.next_sequence
             self._exchanges.holds = False
         return status
@@ -199,6 +201,7 @@ class RmiRobot(OnePortDevice):
     async def _initialise(self, status: protocol.Status) -> None:
         """Begin the controller's program anew; its faults are reset where that is refused."""
         if status.running:
+            # A program that an earlier session left running would keep the controller from being initialised.
             await self._told(protocol.Command.ABORT)
         if await self._told(protocol.Command.INITIALIZE) != 0:
             await self._told(protocol.Command.RESET)
@@ -229,6 +232,8 @@ class RmiRobot(OnePortDevice):
         holds = True
         try:
             for end_deg in pieces.ends_deg:
+                # Before each piece: the speed of the pieces keeps the limits at this override alone, and a
+                # hand on the pendant may have turned it up.
                 holds = await self._override_is(pieces.override_percent)
                 if not holds:
                     return False
@@ -236,6 +241,7 @@ class RmiRobot(OnePortDevice):
                     protocol.JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg
                 )
         finally:
+            # An override that somebody set meanwhile is theirs, and stays.
             if holds and self.connected and pieces.override_percent != override_percent:
                 await self._set_override(override_percent)
         return True
