@@ -31,7 +31,7 @@ def rotation(vector_rad: FloatArray) -> FloatArray:
 
 
 def motion(translation_mm: FloatArray, rotation_matrix: FloatArray) -> FloatArray:
-    """Homogenous matrices from translations (..., 3) [mm] and rotations (..., 3, 3)."""
+    """Homogeneous matrices from translations (..., 3) [mm] and rotations (..., 3, 3)."""
     shape = np.broadcast_shapes(translation_mm.shape[:-1], rotation_matrix.shape[:-2])
     result = np.zeros((*shape, 4, 4))
     result[..., :3, :3] = rotation_matrix

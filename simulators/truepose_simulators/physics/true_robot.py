@@ -28,7 +28,7 @@ class GearboxSprings:
 
 @dataclass(frozen=True)
 class Plant:
-    """The truth about one robot. `motions` as in `chain.link_motions`: base, links, tool."""
+    """The truth about one robot. `motions` as in `arm.link_motions`: base, links, tool."""
 
     arm: Arm
     motions: FloatArray  # (J+2, 6) [mm, rad]
@@ -123,6 +123,9 @@ def find_rest(
     mass_changes: Sequence[MassChange] = (),
 ) -> Rest:
     """Let the arm come to rest under gravity.
+
+    The torques wind up the springs, and the arm that gave way is torqued otherwise: repeated until neither
+    changes, angles_(k+1) = commanded + deflections(torque(angles_k)).
 
     Parameters
     ----------

@@ -114,8 +114,10 @@ class Ballbar:
     def put_on_calibrator(self, bars: BarSet, time_s: float) -> None:
         """Screw on these bars, unless they are on, and begin a new initialisation."""
         self._snap(_ENDS)
+        # What the zero has walked stays in the transducer; an initialisation counts from where it is now.
         self._offset_mm += self._walk_mm
         self._walk_mm = 0.0
+        # Bars that stay on keep the error with which they were screwed on.
         if bars != self.bars and self._handling is not None:
             self._offset_mm = self.setup.bars_mm * float(self._handling.standard_normal())
         self.bars = bars

@@ -80,6 +80,7 @@ class HidBallbarGadget:
 
     def take_packet(self) -> bytes:
         """Make the report that is due."""
+        # Late by one report at most: what nobody fetched for a while does not follow in a burst.
         self._due_s = max(self._due_s, time.monotonic() - self._period_s) + self._period_s
         return self._reading()
 

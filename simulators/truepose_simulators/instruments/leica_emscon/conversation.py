@@ -88,6 +88,7 @@ class Dialogue:
     def handle(self, request: protocol.Request) -> Steps:
         """Return what the server does for a request, step by step as it is asked for."""
         for step in self._steps(request):
+            # Asking how the last command ended is not itself the last command.
             if (
                 isinstance(step, protocol.Answer | protocol.ErrorReport)
                 and step.command != protocol.Command.GET_SYSTEM_STATUS

@@ -139,6 +139,7 @@ class CoordinateView:
         steps = _STEP_MM * np.eye(3)
         ahead = np.array([self.to_wire(position_mm + step) for step in steps])
         behind = np.array([self.to_wire(position_mm - step) for step in steps])
+        # To first order J C J', whatever the type of coordinates and the units are.
         jacobian = (ahead - behind).T / (2.0 * _STEP_MM)
         result: FloatArray = jacobian @ covariance_mm2 @ jacobian.T
         return result

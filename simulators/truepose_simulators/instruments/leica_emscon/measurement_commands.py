@@ -69,6 +69,8 @@ class Shooting:
         if (self._tracker.target or "").startswith("tool"):
             self._cell.measured_here()
         fault = self._cell.faults.next_reading()
+        # Before the answer: a result that was under way when somebody asked, which must not be taken for
+        # theirs.
         if isinstance(fault, TrackerStaleResult) and self._last_result is not None:
             yield self._last_result
         yield protocol.Answer(command)

@@ -33,6 +33,8 @@ def tracker_endpoint(cell: Cell) -> Endpoint:
 
         def may_ask() -> bool:
             nonlocal owner
+            # One application at a time, as an AT40x has it: a second one is answered 10011 and may stay
+            # connected.
             owner = owner or connection
             return owner is connection
 
@@ -125,6 +127,7 @@ class Connection:
         match step:
             case Wait(duration_s, stoppable):
                 await self._clock.sleep(duration_s)
+                # In cell time that costs nothing a stream would never let the word through that ends it.
                 if stoppable and not self._clock.waits:
                     await asyncio.sleep(duration_s)
             case HangUp():

@@ -21,6 +21,7 @@ class SoftBase:
         """Return the tilt of the base."""
         moment = overturning_moment_n_mm(loads.masses, len(conditions), loads.gravity_m_s2, self.about_mm)
         tilt = self.compliance_rad_per_n_mm * moment * conditions.since(self.from_s)[:, np.newaxis]
+        # A turn R about a point q is a turn about the origin and a shift by q - R q.
         shift = self.about_mm - apply(rotation(tilt), self.about_mm)
         return effect.Deflection.of_body(conditions, 0, np.concatenate([shift, tilt], axis=1))
 

@@ -58,7 +58,7 @@ class Deflection:
     """What an effect adds: to the angles of the joints, and to the motions of base, links and tool."""
 
     angles_rad: FloatArray | None = None  # (n, J)
-    motions: FloatArray | None = None  # (n, J+2, 6) [mm, rad], seats as in `chain.link_motions`
+    motions: FloatArray | None = None  # (n, J+2, 6) [mm, rad], seats as in `arm.link_motions`
 
     @classmethod
     def of_joint(cls, conditions: Conditions, joint: int, angle_rad: FloatArray) -> "Deflection":

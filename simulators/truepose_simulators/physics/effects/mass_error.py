@@ -78,6 +78,7 @@ def identified_mass(
 ) -> IdentifiedMass:
     """Return a body of other mass and first moment (3,); changes are stated in the frame of its joint."""
     frame = site.frames[joint - 1]
+    # From the frame of the joint to the base: m (o + R c) = R (m c) + m o.
     moment = apply(frame[:3, :3], extra_moment_kg_mm) + extra_kg * frame[:3, 3]
     return IdentifiedMass(_stated_mass(joint, site), extra_kg, moment)
 
