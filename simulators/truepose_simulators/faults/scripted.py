@@ -132,6 +132,7 @@ class Faults:
 
     def next_move(self) -> AtMove | None:
         """Count one motion and return what befalls it."""
+        # A fault of the nth configuration begins with the motion to it, when nothing has been read there yet.
         self._notice("configuration", self._counts["configuration"] + 1, before_reading=True)
         self._count("move")
         return self._next(AtMove)

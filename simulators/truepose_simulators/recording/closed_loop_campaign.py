@@ -227,6 +227,8 @@ class _Stops:
         step = np.degrees(_TOUCH_RAD)
         for _ in range(_TOUCH_STEPS):
             here = self.read(joints)[:, 0, 0]
+            # A stop has one reading h and slopes g of it by the joints: the least motion that changes h by m
+            # is m g / (g . g). Repeated, since h is curved.
             slopes = np.stack(
                 [(self.read(joints + step * one)[:, 0, 0] - here) / step for one in np.eye(joints.shape[1])],
                 axis=1,

@@ -101,6 +101,8 @@ def _visible_configurations(cell: Cell, n: int, rng: np.random.Generator) -> tup
     lower, upper = np.array(papers_of_cell(cell).calibration_deg).T
     joints, nests = np.zeros((0, len(lower))), np.zeros(0, dtype=int)
     for _ in range(_MOST_DRAWS):
+        # Rounded before anything is computed: the truth beside a campaign is of the joints that its file
+        # states.
         drawn = np.round(rng.uniform(lower, upper, (_CANDIDATES_PER_STOP * n, len(lower))), 5)
         nest, seen = _best_nest(cell, drawn)
         joints, nests = np.concatenate([joints, drawn[seen]]), np.concatenate([nests, nest[seen]])
@@ -112,6 +114,7 @@ def _visible_configurations(cell: Cell, n: int, rng: np.random.Generator) -> tup
 def _best_nest(cell: Cell, joints_deg: FloatArray) -> tuple[NestNumbers, NestNumbers]:
     """Nest that faces the tracker best (1-based), and the rows in which it is seen and clear of the table."""
     tool = cell.scenario.tool
+    # A drawn base is off by tenths of a millimetre, which hides no nest; that of a model may stand anywhere.
     base = np.eye(4) if cell.model is None else cell.plant.errors[0]
     flange = base @ nominal_flange(cell.plant.arm, np.radians(joints_deg))
     positions = move(flange[:, np.newaxis], np.array(tool.nests_mm))

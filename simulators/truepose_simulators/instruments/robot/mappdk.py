@@ -158,6 +158,7 @@ class MappdkProgram:
         frame = inverse(world(self._cell.plant.arm)) @ self._flange()
         values = [*frame[:3, 3].tolist(), *flange_angles_deg(frame[:3, :3])]
         texts = [
+            # Adding 0.0 makes 0 of minus 0, which would be written as -0.000.
             f"{name}={round(value, 3) + 0.0:{_POSITION_WIDTH}.3f}"
             for name, value in zip("xyzwpr", values, strict=True)
         ]
