@@ -138,6 +138,7 @@ class OpenAbbRobot:
         """Let the server listen for the next client, then close the link; never raises."""
         if self._link.is_open and not self._turns.taken:
             with contextlib.suppress(ConnectionLostError):
+                # No reply comes to this one: the server closes its sockets and listens again.
                 await self._link.send(protocol.encode_request(protocol.Code.CLOSE))
         await self._link.close()
 

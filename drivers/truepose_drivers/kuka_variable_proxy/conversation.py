@@ -55,6 +55,7 @@ class VariableProxy(OverPort):
         """Return what a variable says; raises DeviceRefusedError where there is none of that name."""
         async with self._conversation.turn():
             answer = await self._answer(name)
+            # The public server reads a variable that is not there as nothing, and says that it was done.
             if not answer.done or not answer.value:
                 raise DeviceRefusedError(f"the robot has no variable {name}, or does not tell it")
             return decode(answer.value)
@@ -140,6 +141,7 @@ class Program:
         await self._proxy.write(protocol.Variable.TARGET, protocol.encode_axes(order.axes_deg))
         await self._proxy.write(protocol.Variable.PERCENT, str(order.percent))
         await self._proxy.write(protocol.Variable.MOST_OVERRIDE, str(order.override_percent))
+        # Variables have no owner: every program that is connected to the proxy may write these too.
         stands_deg = await self._proxy.read(protocol.Variable.TARGET, protocol.decode_axes)
         percent = await self._proxy.read(protocol.Variable.PERCENT, protocol.decode_count)
         override = await self._proxy.read(protocol.Variable.MOST_OVERRIDE, protocol.decode_count)

@@ -138,6 +138,7 @@ class KukaRobot(OnePortDevice):
 
     async def _order(self, axes_deg: Angles, target_deg: Angles) -> tuple[Order, float]:
         """Return the order of a motion within the limits, and how long it takes [s]."""
+        # At 0 nothing moves, and no motion has a duration: 1 is the least at which this one will be made.
         override = max(await self._proxy.read(protocol.Variable.OVERRIDE, protocol.decode_count), 1)
         steps_deg = _inclined([to - origin for to, origin in zip(target_deg, axes_deg, strict=False)])
         percent, override = self._pace.share_and_override(steps_deg, self._limits, override)
