@@ -98,6 +98,7 @@ class Fixture:
         """Return how far a released cup, in the middle of its play, is from the ball."""
         if self._loose_mm is not None:
             return float(np.linalg.norm(ball_mm - self._loose_mm[base_point - 1]))
+        # Without a mark only the sides between cups are known: a new one must fit those that are clamped.
         own, norm = np.array(self._setup.cups_mm), np.linalg.norm
         others = [
             cup for cup in self.cups if cup.placement == self.placement and cup.base_point != base_point

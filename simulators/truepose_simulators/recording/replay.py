@@ -186,6 +186,7 @@ class _Tracker:
         scattered = true_mm
         if cell.noise is not None and role in POINTS:
             _, stop = np.unique(table.known("config"), return_inverse=True)
+            # One draw a stop: all readings of a stop are of one arm at rest.
             scattered = true_mm + self._scatter_mm * cell.noise.standard_normal((stop.max() + 1, 3))[stop]
         frames = small_motion(cell.planted.frame_motion(time_s)) @ self._frame
         read = move(self._frame, cell.spoiled(in_tracker_frame(frames, scattered), time_s))
@@ -217,6 +218,7 @@ def _conditions(model: IdentifiedModel, table: MeasuredTable, time_s: FloatArray
 def _sensed_torques_n_mm(model: IdentifiedModel, table: MeasuredTable, n_joints: int) -> FloatArray | None:
     if not model.sensed_torques:
         return None
+    # A campaign without torques can be replayed where masses are known: gravity loads the gearboxes then.
     if "tau1_Nm" not in table and model.table.masses:
         return None
     return 1000.0 * table.per_joint("tau{}_Nm", n_joints)

@@ -167,6 +167,7 @@ def _corrected(cell: Cell, misses: Misses, row: NestNumbers, joints_deg: FloatAr
         missed, slopes = misses(joints), _slopes(misses, joints)
         for stop in range(len(joints)):
             mine = row == stop
+            # Gauss-Newton, one stop at a time. Fewer legs than joints: the least motion; more: least squares.
             step = np.linalg.lstsq(slopes[mine], missed[mine], rcond=_LEAST_SINGULAR_SHARE)[0]
             joints[stop] -= np.clip(step, -_LARGEST_STEP_DEG, _LARGEST_STEP_DEG)
         joints = np.clip(joints, lower, upper)
