@@ -205,6 +205,7 @@ def find_benches(named: Sequence[str], drivers: Sequence[str] | None) -> dict[st
     Those of `named` go before installed ones. Raises ConfigurationError where one cannot be used, or a driver
     of `drivers` has none.
     """
+    # A later one takes the place of an earlier one: whoever works on a driver names the bench beside it.
     of_kind = {(bench.plugin.name, bench.plugin.kind): bench for bench in (*_installed(), *_named(named))}
     benches = list(of_kind.values())
     found = {bench.plugin.name for bench in benches}

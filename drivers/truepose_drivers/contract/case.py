@@ -113,6 +113,7 @@ class Trial:
                 value = await self.ask()
         except TimeoutError:
             broken(f"the driver still waited after {_PATIENCE_S:g} s")
+        # Before DriverError, of which it is one: the guard says by it that a driver raised something foreign.
         except DriverFaultError as error:
             broken(f"the driver raised what is no DriverError: {error}")
         except DriverError as error:

@@ -124,6 +124,7 @@ class _Hostility:
                 value = await self._trial.ask()
         except TimeoutError:
             self._tally.note("hung", fault, "no end")
+        # Before DriverError, of which it is one: the guard says by it that a driver raised something foreign.
         except DriverFaultError as error:
             self._tally.note("foreign", fault, error)
         except DriverError:

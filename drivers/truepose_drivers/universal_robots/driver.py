@@ -196,6 +196,7 @@ class UniversalRobot:
         await self._switch(protocol.Kind.START)
         try:
             yield
+        # A refusal leaves the connection open, so the stream is paused; any other error closes the port.
         except DeviceRefusedError:
             await self._switch(protocol.Kind.PAUSE)
             raise

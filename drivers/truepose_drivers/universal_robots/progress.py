@@ -85,6 +85,7 @@ class Progress:
         raise self._broken_off(state, said)
 
     def _broken_off(self, state: RobotState, said: str) -> DeviceRefusedError:
+        # The state does not say why a program ended; but an arm that never moved was refused its target.
         if _distance(state.joints_rad, self._before.joints_rad) <= STANDING_RAD:
             shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in self._order.target_rad)
             return TargetRefusedError(

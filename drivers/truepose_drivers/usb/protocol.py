@@ -262,6 +262,7 @@ DEVICE_BYTES = _DEVICE.size
 
 def encode_string(text: str) -> bytes:
     """Return a string descriptor, UTF-16, cut to what one can hold."""
+    # 252 of the 253 bytes that fit: an odd number would end in half a character.
     data = text.encode("utf-16-le")[: _STRING_BYTES - _HEAD_BYTES - 1]
     return bytes([len(data) + _HEAD_BYTES, DescriptorType.STRING]) + data
 
