@@ -113,6 +113,7 @@ def draw_everyday(
         *_soft_parts(arm, tool, k),
         *_nests(n_nests, k, rng),
     ]
+    # Drawn last, so that the robot without them is otherwise the same one.
     slow = [*_slow_changes(k, rng)]
     return tuple(changes + slow if sizes.over_time else changes)
 

@@ -95,6 +95,7 @@ class PlantedEffects:
         self, place_mm: FloatArray, placement: NestNumbers, then_s: FloatArray, time_s: FloatArray
     ) -> FloatArray:
         """Return where cups are at times that were at `place_mm` (n, 3) [world] `then_s`, shape (n, 3)."""
+        # Only what the fixture has moved since: a cup that was clamped meanwhile stands where it was clamped.
         before, now = (small_motion(self.fixture_motion(placement, when)) for when in (then_s, time_s))
         return move(now @ inverse(before), place_mm)
 
@@ -108,6 +109,7 @@ class PlantedEffects:
     def wild_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
         """By how much lengths are off where readings are spoiled, either way, shape (n,)."""
         displaced = self.displacement_mm(time_s, rng)
+        # A length has no direction: its error is as large as that of a point, and as often either way.
         error: FloatArray = np.copysign(np.linalg.norm(displaced, axis=1), displaced[:, 0])
         return error
 

@@ -134,6 +134,7 @@ def _canonical(value: object) -> object:
         return {key: _canonical(entry) for key, entry in value.items()}
     if isinstance(value, list):
         return [_canonical(entry) for entry in value]
+    # Programs write one number as 1 or as 1.0; the digest must not depend on which of them wrote last.
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 

@@ -217,6 +217,7 @@ class RmiMove:
         try:
             await self._gliding
         except asyncio.CancelledError:
+            # Cancelled by an abort, and not by a pause, which alone lets the rest of the motion follow.
             if self._resumed.is_set():
                 raise
             self._cell.halt_robot()
