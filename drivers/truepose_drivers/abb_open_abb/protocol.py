@@ -282,6 +282,7 @@ def _log_line(record: str) -> LogLine:
 def _joint_text(angle_deg: float) -> str:
     if not abs(angle_deg) <= _FURTHEST_DEG:
         raise ValueError(f"joint angle {angle_deg} deg is out of any robot's range")
+    # Six times eleven characters, their blanks, code and end mark are 75 of the 80 that a RAPID string holds.
     return f"{angle_deg:+011.5f}"
 
 

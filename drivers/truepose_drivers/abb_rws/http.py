@@ -90,6 +90,7 @@ def _answer(
 
 
 def _hash(text: str) -> str:
+    # Controllers ask for MD5. Stated as not for security, it runs on systems that bar it elsewhere too.
     return hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
 
 

@@ -150,6 +150,8 @@ def encode_timed_motion(motion: TimedMotion) -> bytes:
     """Return the line of a timed motion, rounded up to the next tenth of a second."""
     if not 0.0 < motion.duration_s <= LONGEST_TIMED_MOTION_S:
         raise ValueError(f"a motion cannot take {motion.duration_s:g} s: at most 3200 s can be stated")
+    # Up, since a shorter motion would be too fast. 1e-9: 3 * 0.1 s, in doubles a little more than 0.3,
+    # must not become four tenths.
     tenths = math.ceil(motion.duration_s / _TIME_STEP_S - 1e-9)
     return encode_request(Command.MOVE_IN_TIME, f"{tenths:05d}", *_value_fields(motion.values))
 
@@ -295,6 +297,7 @@ def _extent_of_joints(message: str) -> ReplyExtent:
         return "whole"
     if len(done) < _ENTRIES - 1 or _ENTRY.fullmatch(last) is None:
         return "part"
+    # The ninth entry of an arm of six joints is none, and cannot go on; a number may still get digits.
     return "whole" if last.endswith("none") else "maybe whole"
 
 

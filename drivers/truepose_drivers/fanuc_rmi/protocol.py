@@ -249,7 +249,7 @@ def encode_motion(motion: JointMotion) -> Packet:
             "JointAngle": encode_axes([round(angle, 6) for angle in motion.axes_deg]),
             "SpeedType": "Percent",
             "Speed": motion.speed_percent,
-            # To rest at the end. FINE needs no value of its own, but the manual's packets always carry one.
+            # To rest at the end. FINE needs no value, but the maker's own driver always sends one.
             "TermType": "FINE",
             "TermValue": 0,
         },
