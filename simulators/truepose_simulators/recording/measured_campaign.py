@@ -134,6 +134,7 @@ def tracker_files(document: Mapping[str, Any]) -> dict[str, str]:
             raise ReplayError(
                 f'{_NAME}: "{role}" of key "files" cannot be replayed: only a laser tracker is simulated here'
             )
+        # Of the campaign's own folder: a description that came from elsewhere names no other file.
         if not isinstance(name, str) or not re.fullmatch(r"[^/\\]+\.csv", name):
             raise ReplayError(f'{_NAME}: "{role}" of key "files" must name a CSV file of the folder')
     return files

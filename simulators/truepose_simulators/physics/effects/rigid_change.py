@@ -66,6 +66,7 @@ def jump(change: effect.PlantedChange, site: effect.Site) -> FloatArray:
 
 def unit_or_drawn(vector: Vector | None, rng: np.random.Generator) -> FloatArray:
     """Return the direction of a vector, or any direction at all where none is stated, shape (3,)."""
+    # Drawn in any case: a direction that is stated leaves what is drawn after it as it was.
     drawn = rng.standard_normal(3)
     chosen = drawn if vector is None else np.array(vector)
     unit: FloatArray = chosen / np.linalg.norm(chosen)
@@ -124,6 +125,7 @@ class SlowMotion:
         if self.time_constant_s is None:
             hours = time_s / _S_PER_H
         else:
+            # The rate dies out as exp(-t / tau); its integral from the origin is tau (1 - exp(-t / tau)).
             elapsed = np.maximum(time_s, 0.0) / self.time_constant_s
             hours = self.time_constant_s / _S_PER_H * (1.0 - np.exp(-elapsed))
         way: FloatArray = hours[:, np.newaxis] * self.rate

@@ -53,6 +53,7 @@ class ThermalGrowth:
     def warming_k(self, time_s: FloatArray) -> FloatArray:
         """Return the warm-up of the air, shape (n,)."""
         elapsed_s = np.maximum(time_s - self.from_s, 0.0)
+        # dT (1 - exp(-t / tau)); expm1 keeps the digits that 1 - exp would lose at the beginning.
         warmer: FloatArray = -self.warm_up.warm_up_k * np.expm1(-elapsed_s / self.warm_up.time_constant_s)
         return warmer
 
