@@ -36,6 +36,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 
 _PING_REPLY = re.compile(rb"(?P<rest>.*?)0 1 ?[\r\n]*", re.DOTALL)
 _STATUSES = ("0", "1")
+# Three digits of code at most: Python reads no number of five thousand, and raises a ValueError for it.
 _REPLY_START = re.compile(rb"(?P<code>\d{0,3})( (?P<status>\d?)([ \r\n](?P<text>.*))?)?", re.DOTALL)
 
 ReplyExtent: TypeAlias = Literal["part", "maybe whole", "whole"]

@@ -80,7 +80,7 @@ def late(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
 
 
 def half_late(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
-    """Its second half does."""
+    """Its second half comes after the time-out, where the wire remembers it."""
     data = whole(pieces)
     place = int(rng.integers(1, max(2, len(data))))
     return [data[:place], Silence(), data[place:]]

@@ -260,6 +260,7 @@ def _two_words(data: bytes) -> tuple[int, int]:
 def _decode_answer(data: bytes) -> Answer:
     command, status = _two_words(data)
     layouts = exchange(command)
+    # Members of a failed answer are not valid; no source says whether servers send them.
     if layouts is None or status != ResultStatus.ALL_OK:
         return Answer(command, status)
     return Answer(command, status, layouts.answer.unpack(data, _ANSWER_MEMBERS))
@@ -281,6 +282,7 @@ def _encode_result(result: Result) -> bytes:
 def _decode_result(packet: Frame) -> Result:
     (status,) = _WORD.unpack_from(packet.data, _FIRST_MEMBER)
     layout = RESULTS[packet.packet_type]
+    # How long a failed result is no source says: it is read at either length.
     if status != ResultStatus.ALL_OK and len(packet.data) < _RESULT_MEMBERS + layout.size:
         return Result(packet.packet_type, layout.zeros(), status)
     values = layout.unpack(packet.data, _RESULT_MEMBERS)
