@@ -146,6 +146,8 @@ def find_rest(
     acting = (plant.springs, *effects)
     loads = Loads(np.zeros_like(conditions.joints_rad), gravity_m_s2=plant.gravity_m_s2)
     before = conditions.joints_rad
+    # Torques of the arm as it is drawn are off by about a thousandth: 1 um at 1 mm of deflection, which would
+    # be found later and blamed on something else (decision 0003).
     for _ in range(_MOST_STEPS):
         deflections = [effect.deflect(conditions, loads) for effect in acting]
         angles = conditions.joints_rad + _total_angles(deflections)

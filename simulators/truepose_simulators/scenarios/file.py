@@ -1,4 +1,8 @@
-"""Scenario files: TOML in, `Scenario` out. `scenarios/irb120-tilted.toml` shows every key."""
+"""Scenario files: TOML in, `Scenario` out.
+
+`scenarios/irb120-tilted.toml` shows every key but those of the tables `probe`, `camera` and `loop`, which are
+the fields of their dataclasses.
+"""
 
 import tomllib
 from collections.abc import Mapping

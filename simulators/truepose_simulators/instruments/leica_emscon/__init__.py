@@ -1,1 +1,1 @@
-"""A Leica AT401 as its emScon server shows it on the wire."""
+"""A Leica AT401, or with a probe an AT901, as its emScon server shows it on the wire."""

@@ -1,4 +1,8 @@
-"""Where an effect may act. Each claims only what it does; all are pure, so they can be asked again."""
+"""Where an effect may act. Each claims only what it does.
+
+All are pure, so they can be asked again, but for labels and single readings: these draw from the generator
+that they are given, and whoever asks again draws anew.
+"""
 
 from collections.abc import Sequence
 from typing import Protocol, TypeAlias, runtime_checkable

@@ -120,6 +120,7 @@ class BallbarSession:
         tour, legs, n = self._tour, self._legs, len(rows)
         stop, time_s, tool_point = legs.stop[rows], legs.time_s[rows], legs.tool_point[rows]
         cup = self._places_mm(self._cups.of_legs(legs, tour)[rows], time_s)
+        # What is written down is the leg that was asked for; what is read, the one that the person connected.
         connected = self._cell.nests_read(tool_point, time_s)
         stood = self._nests_mm[rows, connected - 1] + self._scatter_mm[rows]
         length = self._read(np.linalg.norm(stood - cup, axis=1), time_s, time_s - tour.start_s[stop])

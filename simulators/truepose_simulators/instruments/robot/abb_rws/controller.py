@@ -270,6 +270,7 @@ class OurProgram(_Motions):
             return
         speeds = (self._order.tool_speed_mm_s, self._order.turning_speed_deg_s)
         self._tell(protocol.Progress.TAKEN if min(speeds) > 0.0 else protocol.Progress.REFUSED, self._order)
+        # Else a beat of much later, of whatever client, would set the arm off.
         self._begin(self._give_up_unless_heard(self._order))
 
     async def _give_up_unless_heard(self, order: protocol.Order) -> None:
