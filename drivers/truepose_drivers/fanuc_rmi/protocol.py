@@ -249,7 +249,7 @@ def encode_motion(motion: JointMotion) -> Packet:
             "JointAngle": encode_axes([round(angle, 6) for angle in motion.axes_deg]),
             "SpeedType": "Percent",
             "Speed": motion.speed_percent,
-            # To rest at the end. FINE needs no value, but the maker's own driver always sends one.
+            # To rest at the end. The packet has a value with FINE too, though a public client leaves it out.
             "TermType": "FINE",
             "TermValue": 0,
         },

@@ -18,8 +18,8 @@ HIGH, LOW, BOTH, GO = 1, 2, 3, 4  # output states; 0 is off
 MOST_AMPLIFIERS: Final = 15
 
 _VALUE: Final = re.compile(r"[+-](?=[\d.]{6,10}$)\d+\.\d+")
-# How an amplifier without a valid value is reported is not in the manuals at hand: whatever cannot be a
-# length counts as none.
+# How an amplifier without a valid value is reported is not in the manuals at hand. Dashes, and a display
+# full of nines, count as none; anything else that is no number is refused.
 _NO_VALUE: Final = re.compile(r"[+-]?(-+\.?-*|9+\.9+)")  # a row of dashes, or as far as the display goes
 _STATE: Final = re.compile(r"0?[0-4]")
 _ERROR: Final = re.compile(r"ER,(\w{2}),(\d\d)")

@@ -28,8 +28,8 @@ class Questions:
 
     def receive(self, data: bytes) -> list[str]:
         """Return the lines that are whole now."""
-        # Bounded below: noise without an end of line would otherwise leave the box deaf for as long as the
-        # connection stands.
+        # What has begun is cut off below: noise without an end of line would otherwise leave the box deaf for
+        # as long as the connection stands.
         *whole, begun = _END.split(self._begun + data)
         self._begun = begun[: _LONGEST_QUESTION + 1]  # one too many: still too long when its end comes
         return [
