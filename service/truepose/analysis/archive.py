@@ -90,6 +90,8 @@ def _content(path: Path) -> bytes:
         return read_bytes(path)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
+        # One order and one date: a result is found again by the hash of these bytes, so the same files must
+        # give the same.
         for file in sorted(path.rglob("*")):
             if file.is_file():
                 inside = zipfile.ZipInfo(file.relative_to(path).as_posix(), _EPOCH)
@@ -249,6 +251,8 @@ class Archive:
         for place, campaign in enumerate(self._campaigns):
             try:
                 content = campaign.load()
+            # A campaign that cannot be read is told at the end; a night's work on the others does not stop at
+            # it.
             except TrueposeError as error:
                 self._failed[place] = str(error)
                 content = b""

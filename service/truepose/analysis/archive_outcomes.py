@@ -70,6 +70,7 @@ def analyse(asked: ToAnalyse, _seed: np.random.SeedSequence) -> str:
 
     key, campaign = asked.key, stored_campaign(asked.content)
     identified, diagnosed = identify(campaign, key.effects), diagnose(campaign, key.effects)
+    # What the result answers stands in the file itself: its name has only the beginning of a hash.
     return render_json({
         "format": _FORMAT,
         "campaign": key.campaign,
@@ -128,6 +129,8 @@ def _asks_of(key: Key) -> tuple[object, ...]:
 
 def keep_whole(path: Path, data: bytes) -> None:
     """Write a file that is there whole or not at all; once this returns it is on disk."""
+    # Under another name until it is whole: the next run takes each file that is there for work that is done,
+    # and half of one would stay for ever (decision 0063).
     begun = path.with_suffix(".part")
     with begun.open("wb") as file:
         file.write(data)

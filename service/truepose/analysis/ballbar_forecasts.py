@@ -80,12 +80,15 @@ class LengthForecast:
 
     def _jacobian(self, placement: PlannedPlacement, joints: FloatArray) -> FloatArray:
         """Return the derivatives of the lengths, shape (n, P, pairs)."""
+        # A step that is small against what is known of a parameter, and large against rounding.
         uncertain = np.sqrt(np.diag(self._model.covariance))
         steps = np.maximum(_STEP * uncertain, _SMALLEST_STEP)
         columns = [self._slope(placement, joints, number, step) for number, step in enumerate(steps)]
         return np.stack(columns, axis=1)
 
     def _slope(self, placement: PlannedPlacement, joints: FloatArray, number: int, step: float) -> FloatArray:
+        # Central difference (L(p + h) - L(p - h)) / 2h: the first error is of the order h^2, where one side
+        # would leave a bias of the order h.
         ends = []
         for side in (step, -step):
             values = self._values.copy()
@@ -102,6 +105,8 @@ class LengthForecast:
     ) -> FloatArray:
         """Clamping of cups that no leg was measured from yet; the legs of a cup share it."""
         variance = self._kit.setup_u_mm**2 + self._model.repeatability_mm**2
+        # Variance of a cup along two legs i and j of it: u^2 d_i . d_j. A cup from which legs were measured
+        # is a parameter, and its uncertainty is in the covariance of the model.
         base = np.array([cup for cup, _ in pairs])
         unknown = np.array([(placement.number, cup) not in self._anchors for cup in base])
         shared = (base[:, None] == base[None]) & unknown[:, None]
@@ -122,6 +127,7 @@ class LengthForecast:
         cups = np.array(placement.cups_mm, dtype=np.float64)
         for index in range(len(cups)):
             point = index + 1
+            # From the best known to the least: identified, then where the arm held the ball, then the plan.
             anchor = self._anchors.get((placement.number, point))
             if anchor is not None:
                 cups[index] = values[list(anchor)]

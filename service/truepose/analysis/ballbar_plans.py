@@ -83,7 +83,8 @@ def next_poses(
         Where the arm is, and at which placement.
     exchanged : collection of int
         Poses whose legs were confused: to be measured again.
-    foreseen : LengthForecast
+    foreseen : LengthForecast or EarlyForecast
+        What the poses are aimed by.
     """
     found: list[PlannedPose] = []
     for placement in plan.placements:
@@ -92,6 +93,8 @@ def next_poses(
             after = next((one for one in plan.placements if one.number > placement.number), None)
             found += _here(arm, placement, after, left, standing, foreseen)
         elif placement.number > standing.placement:
+            # Later placements keep their order and their ways, which were planned with the fixture that is
+            # not there yet; only joints are turned.
             found += [coded_or_kept(arm, pose, foreseen.lengths_of(pose))[0] for pose in left]
     return tuple(found)
 
@@ -155,6 +158,8 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: ValidReadings
     if standing is None:
         raise NothingMeasuredError(message("refused.arm_not_moved"))
     early = _foreseen_early(setup, plan, kit, counting)
+    # Poses that the accounts of all readings speak against are out before any fit: one wrong pair bends a fit
+    # of few legs until all of them look right.
     refuted = set() if early is None else {k.config for k in counting.legs if k.stop in early.refuted()}
     foreseen: LengthForecast | EarlyForecast
     if early is not None and _are_few(counting, early):
@@ -195,6 +200,8 @@ def _fitted(
     for _ in range(_ROUNDS):
         found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
         more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
+        # What a fit without them foresees can find further ones; where it finds no more, the next round would
+        # be the same.
         if more <= exchanged:
             break
         exchanged |= more

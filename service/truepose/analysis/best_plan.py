@@ -50,6 +50,8 @@ def best_plan(
     PartFailedError
         One of the plans cannot be made.
     """
+    # The first seed alone says how many configurations are advised. The others plan as many, so that the
+    # index compares choices and not numbers.
     first, *_ = cluster.answers(plan_of, [_part(planned, n, seed)])
     wanted = len(first.joints_rad) if n is None else n
     if tries == 1 or not wanted:

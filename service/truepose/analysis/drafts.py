@@ -87,6 +87,8 @@ class DraftService:
 
     async def understood(self, draft: Draft) -> Understood:
         """Return what is understood of a draft; raises BusyError."""
+        # To understand a draft costs a worker process; a page that is looked at again costs none (decision
+        # 0055).
         key = (draft.id, draft.revision)
         if key not in self._seen:
             self._seen[key] = (await self._look(draft, make=False)).understood
@@ -103,8 +105,10 @@ class DraftService:
         NotReadyError
             Something is asked still, or cannot be read; the sentence says what.
         """
+        # Two clicks are one campaign: the second waits, and finds what the first one made.
         async with self._making.setdefault(number, asyncio.Lock()):
             draft = await self.get(number)
+            # What was made stays: a second request answers with the same campaign.
             if draft.campaign_id is not None:
                 return draft
             found = await self._look(draft, make=True)
@@ -124,8 +128,11 @@ class DraftService:
         files = tuple((file.name, str(self._drafts.path(draft.id, file.number))) for file in draft.files)
         task = ReadBroughtTask(files, choices_of(draft.choices, _edits(draft.choices)), make)
         try:
+            # In the turns of uploads: however files came, one worker reads what strangers sent, and no more.
             async with self._uploads.turn():
                 return await self._uploads.look(task)
+        # What cannot be opened is shown on the page among the files, where it can be taken out again; an
+        # error of the request would show nothing.
         except TaskRefusedError as error:
             return BroughtRead(Understood((), fault=Fault("", str(error))))
 

@@ -78,6 +78,7 @@ class JobService:
         """Queue an identification and return the job's number; raises NotFoundError."""
         work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
+        # Read when the job has its worker: two hundred may wait, each with a campaign of megabytes.
         async def load() -> Task:
             return IdentifyTask(await self._campaigns.content(campaign_id), effects)
 
@@ -238,6 +239,8 @@ class JobService:
         request = {"model_id": model_id, "file": file.name, **asked}
         work = Work(JobKind.CORRECTION, request, len(file.data) // 1024, load, store)
         number = await self._queue.add(work, key, sender)
+        # A file lies in memory until its job ends. Those that have ended are forgotten when the next one
+        # comes.
         self._files = {job for job in (*self._files, number) if self._queue.under_way(job)}
         return number
 
@@ -253,6 +256,8 @@ class JobService:
         cannot be put on record; then it goes on.
         """
         await self._jobs.get(job_id)
+        # On record first. Where storage refuses the end, the job goes on: a worker that was killed for an end
+        # that nobody kept would leave a job that runs for ever.
         await self._jobs.change_state(job_id, JobState.CANCELLED, message("job.cancelled_on_request"))
         await self._queue.stop(job_id)
 

@@ -37,6 +37,7 @@ class RenderCache:
         draw : callable
             Draws it.
         """
+        # Two who ask at once share a drawing, and one who goes away leaves it to the next (decision 0060).
         task = self._under_way.get(of)
         if task is None:
             task = self._under_way[of] = asyncio.create_task(self._drawn(of, draw), name="drawing")
@@ -45,6 +46,7 @@ class RenderCache:
 
     async def drawn(self, of: str, draw: Draw) -> RenderedPage:
         """Return what was drawn of something, once it is there; raises what `draw` raises, and BusyError."""
+        # Cancelled is who waits, not what others wait for.
         return await asyncio.shield(self.drawing(of, draw))
 
     async def close(self) -> None:
@@ -55,7 +57,9 @@ class RenderCache:
         await asyncio.gather(*left, return_exceptions=True)
 
     async def _drawn(self, of: str, draw: Draw) -> RenderedPage:
+        # Another version may draw otherwise: with its hash in the name it never finds what this one drew.
         named = f"{await asyncio.to_thread(program_sha256)}\n{of}"
+        # Before a turn is taken: what is kept is shown even while two others are being drawn.
         kept = await asyncio.to_thread(self._folder.get, named)
         if kept is not None:
             return kept

@@ -79,6 +79,8 @@ def _candidates(space: WorkSpace, wish: PosePlanRequest) -> Iterator[tuple[Seque
     centres = [(arm * out, arm * aside, arm * up) for aside, up, out in product(_ASIDE, _UP, _OUT)]
     for edge in edges:
         cubes = [Cube(centre, edge, wish.plane) for centre in centres]
+        # A closed form answers all centres in one call. Where joints are searched each cube costs time, and
+        # the first that can be measured ends it.
         together = [cubes] if has_closed_form(space.robot) else [[cube] for cube in cubes]  # each is searched
         yield from ((some, rotation, nest) for rotation, nest, some in product(rotations, nests, together))
 

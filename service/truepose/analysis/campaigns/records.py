@@ -183,6 +183,7 @@ class CampaignService:
 
         Cancelling it ends the reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
         """
+        # Before the archive is read: a client that sends it again after a broken connection costs no worker.
         made = None if key is None else await self._campaigns.answered(key)
         if made is not None:
             return made
@@ -216,6 +217,7 @@ class CampaignService:
                 campaign if validation is None else with_validation_points(campaign, calibration, validation)
             )
         else:
+            # Off the loop: thousands of readings become arrays, and another session may be under way.
             campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
         packed = await asyncio.to_thread(pack, campaign)
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)

@@ -151,6 +151,7 @@ def point_readings(points: Sequence[PointTaken]) -> PointReadings:
 def _orientations(points: Sequence[PointTaken]) -> dict[str, FloatArray]:
     """Return the orientations of all readings; nothing where an instrument reads none."""
     turns = [p.quaternion for p in points if p.quaternion is not None]
+    # An array has a row for every reading; orientations of some of them would need others made up.
     if not points or len(turns) < len(points):
         return {}
     stated = [math.nan if p.rotation_uncertainty_rad is None else p.rotation_uncertainty_rad for p in points]
@@ -176,6 +177,7 @@ def _reference(taken: Sequence[FixedNestTaken]) -> FixedNestReadings | None:
     looks = [t for t in taken if t.phase == "reference" and t.position_world_mm is not None]
     if not looks:
         return None
+    # Two sessions are listed one after the other, and a drift is read along time.
     looks.sort(key=lambda look: look.time_s)
     return FixedNestReadings(
         time_s=np.array([t.time_s for t in looks], dtype=np.float64),

@@ -39,7 +39,7 @@ class CollectedCampaign:
     """A campaign with what it tells, or why it tells nothing."""
 
     seen: ResultRecord
-    told: bytes  # as `told_from` reads it; empty: nothing
+    told: bytes  # as `campaigns.summary_from` reads it; empty: nothing
     why: str = ""
 
 
@@ -110,6 +110,7 @@ class CampaignSummaryService:
         async with self._asking:  # who comes meanwhile finds what was told, and asks nobody twice
             known = {one.seen.id: one for one in await self.known(campaigns)}
             missing = [one for one in campaigns if one.id not in known]
+            # In parts, each kept as it comes: where the workers are lost, the next visit goes on from there.
             together = _TOGETHER if self._where is None else _BY_MANY
             for first in range(0, len(missing), together):
                 for found in await self._asked(missing[first : first + together]):
@@ -179,6 +180,7 @@ def _by_workers(contents: Sequence[bytes], where: str) -> list[tuple[_Answer, by
         with workers(where, len(parts)) as cluster:
             for one in cluster.outcomes(tell, parts):
                 came[one.number] = _answer_of(one)
+    # No error of the answer: what came until then travels back and is kept.
     except (ClusterError, ConfigurationError) as error:
         fault = str(error).encode()
     return [came.get(number, (_Answer.NOT_ASKED, fault)) for number in range(len(parts))]

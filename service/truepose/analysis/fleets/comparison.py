@@ -194,6 +194,8 @@ class FleetArchive:
             except TrueposeError as error:
                 self._failed[place] = str(error)
                 continue
+            # By the data and the program alone. Names and days that a table says are no part of it, so a
+            # table that is corrected costs no computing.
             file = self._file(content)
             if file is not None and file.is_file():
                 self._told[place] = summary_from(file.read_bytes())

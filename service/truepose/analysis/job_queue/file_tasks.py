@@ -76,8 +76,11 @@ class ReadBroughtTask:
 
 def _safe(path: str) -> str:
     """Return a path that stays in the archive; no second description, since an archive has one."""
+    # Names come from whoever brought the files. A member that leads out of the archive would make it one that
+    # this program itself refuses to read.
     parts = [part for part in path.replace("\\", "/").split("/") if part not in {"", ".", ".."}]
     parts = [part.replace(":", "_") for part in parts] or ["file"]
+    # Two descriptions are two campaigns to whoever reads the archive.
     parts[-1] = f"as-it-came-{parts[-1]}" if parts[-1] == _DESCRIPTION else parts[-1]
     return "/".join(parts)
 
@@ -147,6 +150,8 @@ class CorrectFileTask:
             report(some.share, message("job.doing.targets", targets=sum(len(part.names) for part in rows)))
 
         answer = correct_file(file.model, file.name, file.data, file.asked, out, seen)
+        # A table is written row by row, before all of it is known; what must not be used ends here and is
+        # never stored.
         if answer.withheld:
             raise ConfigurationError(" ".join(map(english, (*answer.cautions[:1], answer.withheld))))
         targets = _joined(rows)
@@ -199,6 +204,7 @@ def _largest(targets: CorrectedTargets) -> float:
     import numpy as np
 
     shift = np.linalg.norm(targets.shift_mm, axis=1)
+    # Targets that were not solved have no shift, and the largest of none is not 0.
     known = shift[np.isfinite(shift)]
     return float(known.max()) if len(known) else float("nan")
 

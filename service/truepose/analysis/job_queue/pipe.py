@@ -76,6 +76,7 @@ def _read(stream: IO[bytes], size: int) -> bytes:
 
 def claimed_output() -> BinaryIO:
     """Return standard output, kept for messages; whatever a library prints goes to standard error."""
+    # A library that prints would put its words between two messages, and no message after them could be read.
     pipe = os.dup(1)
     os.dup2(2, 1)
     return os.fdopen(pipe, "wb")

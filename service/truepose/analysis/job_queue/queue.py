@@ -97,6 +97,8 @@ class JobQueue:
         request = {**work.request, "work_count": work.work_count}
         earlier = await self._jobs.taken(work.kind, REMEMBERED)
         job_id = await self._jobs.add(work.kind, request, key)
+        # A request that was sent twice finds the first one's job, which waits, runs, or has ended. Begun once
+        # more, it would be computed twice and its second end refused.
         ended = key is not None and (await self._jobs.get(job_id)).state.final
         if not ended and job_id not in self._running:
             self._begin(job_id, work, expected_s(work.kind, work.work_count, earlier), sender)
@@ -106,6 +108,8 @@ class JobQueue:
         """End a job's worker, if it has one, and take it out of the queue."""
         task = self._running.get(job_id)
         if task is not None:
+            # Awaited: the worker and its children are gone before whoever stopped the job is answered
+            # (decision 0052).
             task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await task
@@ -119,6 +123,7 @@ class JobQueue:
         self._known[job_id] = _Job(expected)
         task = asyncio.create_task(self._run(job_id, work, sender), name=f"job {job_id}")
         self._running[job_id] = task
+        # Of a job that has ended the record says all there is to know; in memory are only those under way.
         task.add_done_callback(lambda _: self._forget(job_id))
 
     def _forget(self, job_id: int) -> None:
@@ -130,6 +135,8 @@ class JobQueue:
             job.began_s = self._now_s()  # known to whoever reads that it runs
             try:
                 await self._end_of(job_id, job, work, job.began_s)
+            # A cancellation is on record before the worker is killed. A result that comes in between is too
+            # late; it is no fault of the program.
             except ConflictError as error:
                 _LOG.info("job %d has an end on record already: %s", job_id, error)
 
@@ -155,10 +162,12 @@ class JobQueue:
             except RecordRefusedError as error:
                 if count == tries:
                     raise
+                # One line for each wait: on a full disk it may be tried for hours.
                 if job.refused is None:
                     _LOG.warning("what is to be kept of job %d waits in memory: %s", job_id, error)
                 job.refused = error.text
             await self._jobs.writable()
+            # Storage may take other records and refuse this one still: without a pause this would spin.
             await asyncio.sleep(_AGAIN_S)
         job.refused = None
 
@@ -175,6 +184,7 @@ class JobQueue:
         if job.began_s is None:
             return None
         now = outlook(job.expected_s, self._now_s() - job.began_s, job.told, job.told_at_s)
+        # Estimates change as a job tells more of itself; a bar that runs backwards looks like a fault.
         job.fraction = max(job.fraction, now.fraction)
         return Outlook(job.fraction, now.remaining_s)
 

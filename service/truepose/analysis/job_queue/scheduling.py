@@ -73,9 +73,11 @@ def outlook(expected_s: float, elapsed_s: float, told: float, told_at_s: float) 
     told_at_s : float
         When it told that, since it has its worker [s].
     """
+    # What a job tells of itself counts by the share that is done: its first percent says little of the rest.
     by_itself_s = told_at_s / told if told > 0 else expected_s
     total_s = max((1 - told) * expected_s + told * by_itself_s, _HARDLY_S)
     remaining_s = total_s - elapsed_s
+    # Otherwise a job that takes longer than foreseen would be said to end in no time for as long as it runs.
     if elapsed_s > _NEARLY * total_s:
         remaining_s = max(remaining_s, _LATE * elapsed_s * (1 - told))
     return Outlook(min(max(told, elapsed_s / (elapsed_s + remaining_s)), 1.0), remaining_s)
@@ -128,6 +130,9 @@ class WorkerSlots:
             self._leave(mine)
 
     def _queued(self, number: int, expected_s: float, sender: str) -> _Waiting:
+        # The start tag of fair queueing: in virtual time a job begins where what its sender asked for before
+        # ends, and never in the past. Fifty jobs of one sender stand one after the other; the one of another
+        # begins now.
         starts = max(self._now, self._ends.get(sender, 0.0))
         self._ends[sender] = starts + expected_s
         mine = _Waiting(number, sender, expected_s, starts)
@@ -145,6 +150,8 @@ class WorkerSlots:
 
     def _move(self, overdue: _Waiting) -> None:
         """Let work that proves to be long leave the place of short ones, if there is another."""
+        # The third place is for this alone. With two long jobs in the other two, short ones would wait for
+        # minutes (decision 0052).
         free = next((name for name in ("any", "misjudged") if name not in self._holders), None)
         if self._holders.get("short") is overdue and free is not None:
             self._holders[free] = self._holders.pop("short")
@@ -154,11 +161,14 @@ class WorkerSlots:
         if mine in self._waiting:
             self._waiting.remove(mine)
         self._holders = {name: holder for name, holder in self._holders.items() if holder is not mine}
+        # Nobody is behind anybody else now. Kept, the times of everyone who ever asked would grow for as long
+        # as the service runs.
         if not self._waiting and not self._holders:
             self._ends.clear()
         self._serve()
 
     def _serve(self) -> None:
+        # The short place first: short work that fits into it leaves the other one to what is long.
         for name in ("short", "any"):
             fit = [waiting for waiting in self._waiting if waiting.short or name == "any"]
             if name not in self._holders and fit:
@@ -167,6 +177,7 @@ class WorkerSlots:
     def _begin(self, name: str, chosen: _Waiting) -> None:
         self._waiting.remove(chosen)
         self._holders[name] = chosen
+        # Virtual time is the start tag of what was served last: it stands still while nothing is served.
         self._now = max(self._now, chosen.starts)
         chosen.turn.set()
 

@@ -38,6 +38,7 @@ class Turns:
     @contextlib.asynccontextmanager
     async def taken(self) -> AsyncIterator[None]:
         """Wait for a turn and hold it; raises BusyError."""
+        # Before any wait: whoever is one too many is told at once when to come back, and holds no connection.
         if self._present >= self._most:
             raise BusyError(message("refused.busy"))
         self._present += 1
@@ -103,7 +104,11 @@ async def perform_in_worker(
             stdin=pipe,
             stdout=pipe,
             stderr=pipe,
+            # The last bits of a result would follow from the number of threads, and so from the computer
+            # (decision 0070).
             env=os.environ | ONE_THREAD,
+            # Ctrl-C at a terminal asks the service to end, which ends its workers itself; what a worker
+            # starts is killed with its group.
             **in_own_group(),
         )
     except OSError as error:
@@ -118,6 +123,7 @@ async def perform_in_worker(
         await asyncio.wait({asyncio.create_task(process.wait()), listening}, timeout=_DYING_S)
         raise WorkerDiedError(_obituary(process, log)) from error
     finally:
+        # Whatever ended the conversation, a cancellation included: no process outlives it.
         kill_group(process)
         await process.wait()
         listening.cancel()
@@ -149,6 +155,7 @@ def _a_third_of_all() -> int:
 
 
 async def _next(stream: asyncio.StreamReader) -> Any:
+    # Off the loop as well: an answer is as large as the question, and a session under way would wait for it.
     head = await stream.readexactly(LENGTH_BYTES)
     return await asyncio.to_thread(unpacked, await stream.readexactly(body_length(head)))
 
@@ -156,6 +163,7 @@ async def _next(stream: asyncio.StreamReader) -> Any:
 async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> None:
     if process.stderr is None:
         return
+    # Read to the end, though hardly anybody looks: a pipe that is full stops whoever writes into it.
     async for line in process.stderr:
         log.append(line.decode(errors="replace").rstrip())
         _LOG.info("worker %d: %s", process.pid, log[-1])

@@ -290,7 +290,7 @@ class CampaignRead:
 
 @dataclass(frozen=True, slots=True)
 class ReadCampaignTask:
-    """Read an archive that somebody sent; nobody reads it again."""
+    """Read an archive that somebody sent, once; the campaign is kept as arrays beside it (decision 0035)."""
 
     archive: bytes
     name: str  # what the user calls it
@@ -340,6 +340,7 @@ Answer: TypeAlias = (
 
 def stored_campaign(content: bytes) -> Campaign:
     """Return a campaign from what the storage keeps, or from the zip of a folder."""
+    # The storage keeps arrays; an archive of folders that is analysed anew hands on zips.
     if is_packed(content):
         return unpack(Campaign, content)
     from truepose.exchange.campaigns.zip_file import read_campaign_zip

@@ -62,6 +62,7 @@ class Uploads:
         return cast(BroughtRead, await self._read(task, "campaign"))
 
     async def _read(self, task: ReadCampaignTask | CheckFileTask | ReadBroughtTask, kind: str) -> Answer:
+        # One at a time, although two are received: each reading may take 1 GB (decision 0023).
         async with self._reading:
             try:
                 async with asyncio.timeout(_READING_S):

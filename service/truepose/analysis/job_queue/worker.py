@@ -27,9 +27,11 @@ _POLITENESS: Final = 5  # of the processor: a session under way comes first
 
 def main() -> int:
     """Perform the task that the service sends."""
+    # Before the task imports anything that might print.
     answers = claimed_output()
     _keep_within(int(sys.argv[1]))
     task = receive(sys.stdin.buffer)
+    # Both read the same input: the task first, then only whether it is still open.
     threading.Thread(target=_end_with_the_service, daemon=True).start()
     _send(answers, _performed(task, answers))
     return 0
@@ -53,6 +55,8 @@ def _keep_within(memory_bytes: int) -> None:
     if sys.platform != "win32":
         import resource
 
+        # The data segment and not the address space, of which libraries reserve much that they never use
+        # (decision 0023).
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
         os.nice(_POLITENESS)
 

@@ -97,6 +97,8 @@ class Reach:
             return ""  # of this computer
         host, port = self._scheduler.host_and_port
         try:
+            # Only whether somebody listens: a page asks, and to speak with a scheduler would load Dask into
+            # the service.
             async with asyncio.timeout(_PATIENCE_S):
                 _, writer = await asyncio.open_connection(host, port)
         except OSError:

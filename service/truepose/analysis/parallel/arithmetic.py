@@ -69,6 +69,8 @@ def _threads() -> str:
 
 
 def _sample() -> str:
+    # One of each kind of kernel that an identification uses: a library may choose another one for this
+    # processor in one of them only.
     rng = np.random.default_rng(20260101)
     matrix = rng.standard_normal((_SIZE, _SIZE))
     normal = matrix @ matrix.T + np.eye(_SIZE)

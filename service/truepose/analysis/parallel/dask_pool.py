@@ -119,6 +119,8 @@ class DaskPlaces:
 
 def _perform(task: Task, expected: Arithmetic) -> Reply:
     """Perform a task on a worker, unless its bits would not be those of the others."""
+    # On the worker, before its first part: one that joined after the work began was asked by nobody else
+    # (decision 0063).
     _require_alike(expected, arithmetic(), "A worker that joined")
     return task.perform()
 
@@ -150,6 +152,7 @@ def _alike(client: Client) -> Arithmetic:
     """
     own = as_one_thread(arithmetic())
     for address, found in client.run(arithmetic, on_error="return").items():
+        # Lost while it was asked. If it comes back it is asked before its first part.
         if isinstance(found, OSError):
             continue  # it is gone
         if not isinstance(found, Arithmetic):
@@ -191,6 +194,7 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
         A worker would not compute the same bits.
     """
     _say_in_sentences("distributed.client")  # that it is gone, and cannot be reached again
+    # Dask's own setting decides, so that a site that requires TLS is never spoken to without it.
     encrypted = bool(dask.config.get("distributed.comm.require-encryption"))
     url = f"{'tls' if encrypted else 'tcp'}://{address}"
     try:
@@ -238,6 +242,8 @@ def of_this_computer(count: int) -> Iterator[DaskPlaces]:
             n_workers=0,  # one that ends while it starts would end them all: see `_LocalWorkers`
             threads_per_worker=1,
             memory_limit=1.0 / count,  # of what this computer has
+            # Whoever reaches a scheduler can have anything computed by it; one that is started here is
+            # reached from here alone.
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",  # any free port, reached by nobody else
         ) as cluster,

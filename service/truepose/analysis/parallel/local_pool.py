@@ -1,6 +1,6 @@
 """Workers in processes of this computer, and which workers `--workers` means.
 
-A process is this program itself, spoken to over its own pipe (`worker_process`).
+A process is this program itself, spoken to over its own pipe (`local_worker`).
 """
 
 import contextlib
@@ -40,6 +40,7 @@ class _WorkerProcess:
     def send(self, task: Task) -> None:
         self.tasks.append(task)
         try:
+            # Without a buffer `write` takes what the pipe has room for, and says how much that was.
             left = memoryview(packed(task))
             while left:
                 left = left[_open(self.process.stdin).write(left) :]
@@ -54,6 +55,8 @@ class _WorkerProcess:
             self.answers.put((self, None))
 
     def end(self) -> None:
+        # The thread ends when the pipe does, and only then is the pipe closed: a descriptor that is closed
+        # under a reader may be another file by the time it is read.
         self.process.kill()
         self.process.wait()
         self._listening.join()
@@ -117,6 +120,7 @@ class Processes:
                 bufsize=0,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
+                # As everywhere: other threads, other last bits (decision 0070).
                 env=os.environ | ONE_THREAD,
             )
         except OSError as error:
@@ -132,11 +136,13 @@ class Processes:
         """Give the tasks of a lost process to others; return the number of the one to blame, once it is."""
         self._end(worker)
         blamed = None
+        # The first task was under way; the others only waited behind it, and are not to blame.
         if worker.tasks:
             first = worker.tasks[0].number
             self._lost[first] = self._lost.get(first, 0) + 1
             if self._lost[first] > self._allowed_failures:
                 blamed = worker.tasks.popleft().number
+        # They go to the workers that are left, or to a new one: one process is lost, never its tasks.
         for task in worker.tasks:
             self.begin(task)
         return blamed

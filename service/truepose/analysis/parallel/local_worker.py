@@ -18,6 +18,8 @@ def main() -> int:
     if sys.platform != "win32":
         os.nice(_POLITENESS)
     waiting: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    # Read on while a part is computed: the end of this pipe is how a worker learns that nobody wants its
+    # answer, however its parent ended.
     threading.Thread(target=_listen, args=(os.fdopen(0, "rb"), waiting), daemon=True).start()
     while True:
         answers.write(packed(_performed(waiting.get())))

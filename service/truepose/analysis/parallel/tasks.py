@@ -70,6 +70,8 @@ class Task:
             answer = self.does(self.item, seed_of(self.seed, self.number))
         except TrueposeError as error:
             return Reply(None, 0.0, str(error), code_of(error))
+        # Whatever a part raises is its answer. An exception may not unpickle elsewhere, and one bad part must
+        # not end the night of all others.
         except Exception as error:
             traceback.print_exc()  # where it ran
             why = f"The program failed at this part ({type(error).__name__}: {error}); please report it."
@@ -95,6 +97,8 @@ class Reply:
 
 def seed_of(seed: int, number: int) -> np.random.SeedSequence:
     """Return the seed of a task: child `number` of `SeedSequence(seed).spawn`, without its elder ones."""
+    # Not drawn from a stream: by its number a part has the same chance wherever and however often it is
+    # computed (decision 0063).
     return np.random.SeedSequence(seed, spawn_key=(number,))
 
 
@@ -169,6 +173,8 @@ class Cluster:
                 number, reply = self._places.ended()
                 yield reply.outcome(number, names.pop(number))
         finally:
+            # Also where whoever asked stops listening: a generator that is closed comes here, and its workers
+            # are freed.
             if names:
                 self._places.give_up()
 
