@@ -144,6 +144,8 @@ def _correct_table(
     writer = CorrectionWriter(text)
     for part, rows in corrected_rows(model, name, data, asked):
         if not begun:
+            # Of the first rows alone: a table in a wrong unit or frame is so from its beginning, and its rows
+            # are not kept.
             answer.cautions, begun = table_cautions(model, part, rows, asked.meant), True
         writer.write(rows.names, rows.found, part.own)
         answer.summary.add(rows.names, rows.found)
@@ -190,6 +192,8 @@ def _correct_program(
 
 def _program(model: Model, name: str, data: bytes, asked: CorrectionRequest) -> Program:
     """Read a program; raises as `correct_file`."""
+    # Before the file is read: of another maker's arm every target would be refused for reasons that explain
+    # nothing.
     _require_maker(model, name)
     program = read_program(data, name, beside=asked.beside, angles=asked.angles)
     if asked.most_targets is not None and len(program.targets) > asked.most_targets:

@@ -56,6 +56,7 @@ def read_bytes(path: Path, *, most: int = GREATEST_BYTES) -> bytes:
         _require_regular(path, path.stat())
         with open(path, "rb", opener=_open_at_once) as file:
             _require_regular(path, os.fstat(file.fileno()))
+            # One byte more than is taken: a file may grow while it is read, so its size alone says nothing.
             data = file.read(most + 1)
     except FileNotFoundError as error:
         raise MissingFileError("there is no such file", file=path.name) from error
@@ -141,6 +142,8 @@ class Node:
         entries = self.entries()
         if name in entries:
             return None if entries[name] is None else self.child(name, entries[name])
+        # A key in another unit is a slip and no key that was left out: its default would count, and nobody
+        # would be told.
         rival = in_other_unit(name, entries)
         if rival is not None and unit(rival):
             self.child(rival, None).fail(unit_sentence("key", rival, name), WrongUnitError)
@@ -162,6 +165,7 @@ class Node:
         self, *, above: float = -math.inf, least: float = -math.inf, greatest: float = math.inf
     ) -> float:
         """Return the finite number here; greater than `above`, between `least` and `greatest`."""
+        # To Python true is a whole number; in a document it is a slip.
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             self.fail(f"{_shown(self.value)} is not a number")
         try:
@@ -234,6 +238,7 @@ def toml_document(file: str, data: bytes) -> Node:
         raise UnreadableFileError("this is not TOML: nested too deep", file=file) from error
     except ValueError as error:  # also of a number of thousands of digits
         raise UnreadableFileError(f"this is not TOML: {error}", file=file) from error
+    # tomllib keeps no places: errors in TOML name the key and no line.
     return Node(file, value, (), lambda path: None)
 
 

@@ -48,6 +48,7 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
 
 def line_of(text: str, path: KeyPath) -> int:
     """Return the 1-based line on which the value at `path` begins; `path` exists in `text`."""
+    # The text is walked through again: only a fault asks for a line, and sound files pay nothing for it.
     at = _skip(text, 0)
     for step in path:
         at = _entry(text, at, step)
@@ -99,6 +100,7 @@ def _is_vector(value: Json) -> bool:
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     entries = dict(pairs)
     if len(entries) < len(pairs):
+        # Programs differ in which of two entries they take, so a file that has both means two things.
         counts = Counter(name for name, _ in pairs)
         twice = next(name for name, count in counts.items() if count > 1)
         raise ValueError(f"key {twice} appears twice in one object")
@@ -116,6 +118,7 @@ def _skip(text: str, at: int) -> int:
 
 def _entry(text: str, at: int, step: str | int) -> int:
     """Return where the value of one entry of the object or list at `at` begins."""
+    # Whoever asks has parsed the text before: nothing here fails, and no entry is missing.
     decoder = json.JSONDecoder()
     index = 0
     at = _skip(text, at + 1)

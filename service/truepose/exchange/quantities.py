@@ -92,6 +92,8 @@ class Limits:
 def limits_of(name: str) -> Limits:
     """Return what the numbers under a name must keep to; the name is that of a column or key."""
     said = unit(name)
+    # Before the unit alone: what is a good length may be no uncertainty. One of a kilometre gives a reading
+    # no weight, one of nothing gives it all.
     if _UNCERTAINTY in name.split("_") and said in _BOUNDS_OF_UNCERTAINTY:
         least, greatest = _BOUNDS_OF_UNCERTAINTY[said]
         return Limits("standard uncertainty", said, greatest, least)

@@ -133,6 +133,7 @@ def read_description(root: Node) -> Description:
 
 def _check_format(root: Node) -> None:
     version = root.key("format")
+    # Before anything else: what a later format means is not known, and its first unknown key would be blamed.
     number = version.whole()
     if number > FORMAT:
         version.fail(
@@ -248,6 +249,8 @@ def _read_files(node: Node) -> dict[str, str]:
 
 
 def _plain_name(node: Node) -> str:
+    # The folder may come from anybody: a path in it would have another file of this computer read, and shown
+    # in an error.
     name = node.text()
     if name in {".", ".."} or any(mark in name for mark in "/\\:\0"):
         node.fail(f"{name!r} must be the plain name of a file in the campaign folder")

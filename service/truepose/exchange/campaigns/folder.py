@@ -198,5 +198,7 @@ def campaign_from_arrays(keys: Mapping[str, object], tables: Mapping[str, Arrays
     InputFileError
         With the key, or with role, row and column.
     """
+    # The names of tables are their roles here: errors then say `calibration`, which is what the caller called
+    # it.
     document = {**keys, "format": FORMAT, "files": {role: role for role in tables}}
     return with_tables(read_description(Node(_NAME, document, (), lambda path: None)), tables.__getitem__)

@@ -73,6 +73,8 @@ def read_zip_files(archive: bytes, name: str) -> dict[str, bytes]:
 
 def _opened(archive: bytes, name: str, read: Callable[[zipfile.ZipFile, str], T]) -> T:
     """Return what `read` makes of an archive, its faults in sentences."""
+    # By chance the mark stands in packed data as well, and in archives within this one; hence twice the
+    # limit. The exact count follows from the directory.
     if archive.count(_ENTRY) > 2 * _MEMBER_LIMIT:  # each takes a thousand bytes once the directory is read
         raise UnsafeArchiveError(f"it has more than the {_MEMBER_LIMIT} members allowed", file=name)
     with contextlib.ExitStack() as closing:
@@ -88,6 +90,7 @@ def _faults_told(name: str) -> Iterator[None]:
         yield
     except _DAMAGED as error:
         raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
+    # Before ValueError, of which it is one.
     except UnicodeDecodeError as error:
         raise UnreadableFileError(
             "the zip file names a member by bytes that are no text", file=name
@@ -108,6 +111,8 @@ def write_campaign_zip(campaign: Campaign, beside: Mapping[str, bytes] | None = 
         texts = {name: text.encode() for name, text in campaign_files(campaign).items()}
         for name, content in {**texts, **(beside or {})}.items():
             member = zipfile.ZipInfo(name, _EPOCH)
+            # The day of a campaign stands in its description. A date here would only give the same campaign
+            # other bytes.
             member.compress_type = zipfile.ZIP_DEFLATED
             member.external_attr = _READ_WITH_RIGHTS
             archive.writestr(member, content)
@@ -150,6 +155,8 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
     for entry in entries:
         if not _stays_inside(entry.filename):
             raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
+        # Which of two members of one name is taken differs between programs: what one has checked another
+        # would read.
         if entry.filename in members:
             raise UnsafeArchiveError(f"member {entry.filename!r} is there twice", file=name)
         if entry.file_size > max(_SMALL_BYTES, _GREATEST_RATIO * entry.compress_size):
@@ -191,6 +198,7 @@ def _top_folder(members: Mapping[str, zipfile.ZipInfo], name: str) -> PurePosixP
 
 def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> bytes:
     """Return the content of a member, whatever size its header claims."""
+    # The sizes that were judged are the archive's own words. What comes out of it is counted once more.
     limit = GREATEST_DESCRIPTION_BYTES if member.filename.endswith(DESCRIPTION) else GREATEST_BYTES
     with _faults_told(name), archive.open(member) as stream:
         content = stream.read(limit + 1)

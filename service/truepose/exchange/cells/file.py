@@ -233,6 +233,7 @@ def _with_tool_mass(robot: Robot, tool: Node | None) -> Robot:
         return robot
     mass, centre = tool.key("mass_kg").number(least=0.0), tool.key("cog_mm").vector()
     carried = LinkMass(robot.n_joints, mass, centre)
+    # What a robot file has in the last frame is the artefact that its masses came with; both would weigh.
     others = tuple(link for link in robot.masses if link.frame != robot.n_joints)
     return replace(robot, masses=(*others, carried))
 

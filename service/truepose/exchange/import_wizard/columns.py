@@ -113,6 +113,8 @@ def _value(cell: str, meaning: ColumnMeaning) -> float | str:
 def _numbered(cells: Sequence[str]) -> Cells:
     """Return labels as numbers: those at their ends, else from 1 in the order of their first appearance."""
     labels = list(dict.fromkeys(cells))
+    # `SMR 2` is nest 2 and not the second label that happens to come, but only where all labels are told
+    # apart by their numbers.
     ends = [_NUMBER_AT_END.fullmatch(label) for label in labels]
     own = [int(end[2]) for end in ends if end is not None and end[1] == (ends[0] or end)[1]]
     kept = own if len(set(own)) == len(labels) else range(1, len(labels) + 1)

@@ -61,6 +61,7 @@ def _tables_of(name: str, data: bytes, taken: Mapping[str, bytes]) -> dict[str, 
 
 
 def _is_archive(path: str, data: bytes) -> bool:
+    # By both: a workbook begins like an archive, and a table may be called one.
     return path.lower().endswith(".zip") and data.startswith(b"PK")
 
 
@@ -96,6 +97,8 @@ def _piece(name: str, data: bytes, choices: Choices) -> Piece:
         return Piece(name, data, "robot")
     try:
         if is_workbook(name, data):
+            # Sheets of a workbook are files of their own by now. One that is still there is empty or damaged;
+            # where it is damaged, reading it once more says how.
             read_workbook(data, name)
         if PurePosixPath(name).suffix.lower() not in _TABLES:
             return Piece(name, data, "other", why_not=message("bring.file.other"))

@@ -103,6 +103,8 @@ def read_imported_files(files: Mapping[str, bytes], choices: Choices | None = No
 
 def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
     """Return a campaign folder read to the letter; None where there is none, or of another form."""
+    # Whoever has chosen a robot, a change or a column says that the files do not mean what the format would
+    # have them mean.
     if choices.changes or choices.robot not in {None, OWN_ROBOT}:
         return None
     if any(one.columns or one.role for one in choices.files.values()):
@@ -116,6 +118,8 @@ def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
 
     try:
         campaign = campaign_from(load)
+    # What lacks a column, a file or a unit may be another program's, and is guessed. A bad value in a folder
+    # of this format is a fault, and is shown as one.
     except _OF_ANOTHER_FORM:
         return None
     except InputFileError as error:
@@ -264,6 +268,8 @@ def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Ca
     meant = {role: apply_changes(robot, table.columns, choices.changes) for role, table in filled.items()}
     keys = {**_keys(next(iter(meant.values()))[0], filled.values()), **gathered.stated}
     if scatter_mm is not None and choices.u_mm is None:
+        # Places that are measured again scatter by the arm and by the instrument: the arm's own part must not
+        # count a second time.
         keys["u_includes_repeatability"] = True
     try:
         return campaign_from_arrays(keys, {role: columns for role, (_, columns) in meant.items()})

@@ -49,6 +49,8 @@ def _encoding(data: bytes) -> str:
     for mark, encoding in _MARKS:
         if data.startswith(mark):
             return encoding
+    # UTF-16 without a mark, as some controllers write it: of Latin letters and digits every second byte is
+    # zero.
     head = data[:200]
     if head and head[1::2].count(0) > len(head) // 3:
         return "utf-16-le"
@@ -111,6 +113,7 @@ def decimal_mark(rows: Sequence[Sequence[str]]) -> str:
 def with_point(cell: str, mark: str) -> str:
     """Return a cell with `.` as its decimal mark, if it is a number with another one."""
     if mark == ",":
+        # `1.234,5`: with a comma as decimal mark, points only set off thousands.
         grouped = _GROUPED.fullmatch(cell)
         cell = cell.replace(grouped[1], "") if grouped else cell
         return cell.replace(",", ".") if _WITH_COMMA.fullmatch(cell) else cell

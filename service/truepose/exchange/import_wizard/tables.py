@@ -173,6 +173,7 @@ def _role(kind: str, judges: bool, judging: str) -> tuple[str, Message]:
 
 def by_role(sheets: Sequence[DetectedTable]) -> dict[str, ImportedTable]:
     """Return the readings of each role; raises InputFileError at a torn row or a bad cell."""
+    # Controllers log angles and instruments log points: two files, of which neither is a table of readings.
     halves = [one for one in sheets if one.has("joint") and not one.has("position") and not one.has("length")]
     found: dict[str, list[ImportedTable]] = {}
     for one in sheets:

@@ -24,6 +24,7 @@ _TITLE: Final = re.compile(r"[^\w \-.]+")
 _BUILT_IN_DATES: Final = frozenset({*range(14, 23), *range(27, 37), 45, 46, 47, *range(50, 59)})  # 18.8.30
 _NOT_OF_DATES: Final = re.compile(r'"[^"]*"|\\.|\[[^\]]*\]|General', re.IGNORECASE)
 _OF_DATES: Final = re.compile(r"[dmyhs]", re.IGNORECASE)
+# Spreadsheets take 1900 for a leap year: counted from here, days from March 1900 on are right.
 _DAY_0: Final = datetime(1899, 12, 30, tzinfo=UTC)
 _DAYS_OF_1904: Final = 1462  # books of old Macintoshes count from there
 _LAST_DAY: Final = 2_958_465  # 9999-12-31
@@ -103,6 +104,7 @@ def _shared_texts(book: _Book) -> Iterator[str]:
             within[tag == "rPh"] = False
 
     def letters(text: str) -> None:
+        # Some books keep beside a text how it is read aloud (rPh), which is no part of the cell.
         if within == [True, False] and told:
             told[-1].append(text)
 
@@ -120,6 +122,8 @@ def _dated_styles(book: _Book) -> Iterator[bool]:
     def begin(tag: str, said: Mapping[str, str]) -> None:
         if tag == "numFmt":
             forms[said.get("numFmtId", "")] = _is_of_dates(said.get("formatCode", ""))
+        # Cells name entries of `cellXfs` by their place; `cellStyleXfs` before it holds entries of the same
+        # form that no cell means.
         counting[0] = counting[0] or tag == "cellXfs"
         if tag == "xf" and counting[0]:
             used.append(said.get("numFmtId", "0"))
@@ -176,6 +180,8 @@ class _Cells:
     def _keep(self, value: str) -> None:
         row, column = self._place
         if not value:
+            # A program that writes a book without computing it leaves its formulas without values; an empty
+            # cell would pass for one that nobody filled in.
             if self._formula:
                 raise self._refused(
                     "a formula has come to nothing yet; open the book in its program and save it"
@@ -233,6 +239,7 @@ def _text(rows: list[list[str]]) -> bytes:
 
 
 def _quoted(cell: str) -> str:
+    # As it stood, the quote would begin a quoted cell when the text is read as a table.
     return '"' + cell.replace('"', '""') + '"' if cell.startswith('"') else cell
 
 

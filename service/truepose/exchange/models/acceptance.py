@@ -85,6 +85,8 @@ def read_checked_model(
         It cannot be read.
     """
     found = read_model_file(file, accept_edited=acceptance.edited)
+    # An intact digest says that truepose wrote the values, which were identified from readings. It proves no
+    # author, so the shift is looked at either way (decision 0074).
     usual_mm = _IDENTIFIED_SHIFT_MM if found.integrity is Integrity.INTACT else MODEL_SHIFT_MM
     plausibility = _plausibility(found.model, usual_mm, acceptance.max_shift_mm)
     if plausibility.beyond and (robot_follows or found.integrity is not Integrity.INTACT):
@@ -201,6 +203,8 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
             f"The model was made with another tool, whose nests lie up to {apart_mm:.3g} mm elsewhere. "
             f"{_THEN}"
         )
+    # Where the cell file has the nominal robot, not where the model says: else a wrong base would hide in its
+    # own reference (decision 0074).
     here = moved_to(model, cell.base_nominal, nests_known=bool(known) and None not in known)
     limits = cell.limits
     space = limits.calibration or cell.robot.calibration_ranges or limits.joints or cell.robot.joint_limits
@@ -219,6 +223,7 @@ def accepted_model(document: Mapping[str, Any], cell: Cell, accepted_shift_mm: f
         the shift was not confirmed.
     """
     handed = fitting_model(document, cell)
+    # At least the shift that is there: what somebody saw and confirmed on a page holds for no larger one.
     confirmed = accepted_shift_mm is not None and handed.shift.shift_mm <= accepted_shift_mm
     if handed.needs_confirmation and not confirmed:
         far = f", with values {far_sentence(handed.far)}" if handed.far else ""

@@ -27,6 +27,7 @@ class Integrity(StrEnum):
 
 def digest_of(document: Mapping[str, object]) -> str:
     """Return the digest of a model document, with or without its own."""
+    # Without itself; and keys of later versions count as well, so that an addition by hand shows too.
     content = {key: _canonical(value) for key, value in document.items() if key != KEY}
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"

@@ -28,6 +28,7 @@ from truepose.messages.catalogue import english
 from truepose.messages.message import Message, message
 
 _GEOMETRY: Final = ("base", "tool", "geometry")
+# Two draws of targets: errors at those that a table was fitted to would be too small.
 _FIT_SEED, _JUDGE_SEED = 1, 2
 
 

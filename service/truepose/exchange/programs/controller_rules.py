@@ -121,6 +121,8 @@ class Nearest:
             return np.full(len(near), np.nan)
         turned = answers[there] - FULL_RAD * np.round((answers[there] - near) / FULL_RAD)
         apart = np.abs(turned - near)
+        # The maker does not say by which measure it is the nearest: where two measures differ, nobody knows,
+        # and the target is left alone.
         first, second = np.argmin(apart.max(axis=1)), np.argmin((apart**2).sum(axis=1))
         stated = known.branch if known.near_rad is None else ANY_BRANCH
         return turned[first] if first == second and stated in (ANY_BRANCH, there[first]) else None
@@ -199,6 +201,8 @@ class Confdata:
         """Return the answer of the branch, with axes 1, 4 and 6 in their quadrants; None if one is not."""
         joints = within(answers[known.branch], limits)
         found = _in_quadrants(joints, known.turns)
+        # Three zeros are what people write by hand; but of a singular wrist they may be right, as its two
+        # axes share their turn.
         unsaid = not any(known.turns) and abs(np.sin(joints[_WRIST])) > _SINGULAR
         return joints if found is None and unsaid else found
 

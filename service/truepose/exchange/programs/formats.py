@@ -70,7 +70,7 @@ def read_program(
         are one file they do not matter.
     angles : {"xyz", "zyx", "fixed xyz"}, optional
         Axes of the words A, B, C of a list of G-code, which does not say them: see
-        `forms.turns_in_degrees`. The other formats say it themselves.
+        `pose_notation.turns_in_degrees`. The other formats say it themselves.
 
     Raises
     ------

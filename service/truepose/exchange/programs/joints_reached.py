@@ -87,6 +87,7 @@ def approach_directions(program: Program, rows: Sequence[int], joints_rad: Float
     for motion in program.motions:
         starts.setdefault(motion.target, set()).add(motion.before)
     for target, before in starts.items():
+        # From two places a joint may come from two sides, and its gear stands on either flank.
         start = next(iter(before)) if len(before) == 1 else None
         if target in row_of and start in row_of:
             way = joints_rad[row_of[target]] - joints_rad[row_of[start]]

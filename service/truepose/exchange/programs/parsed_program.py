@@ -150,6 +150,8 @@ class Draft:
 
     def program(self, name_of_format: str) -> Program:
         """Return what was read."""
+        # Files beside tell how targets of this one are used; they are not written, so their own are no
+        # targets here (decision 0040).
         own = [target for target, found in enumerate(self._targets) if self.source.is_own(found.line)]
         kept = [target for target in own if self._reason_against(target) is None]
         index_of = {target: index for index, target in enumerate(kept)}

@@ -1,7 +1,8 @@
 """What a robot program says: its targets, the order in which they are visited, and what is left alone.
 
-`formats.read_program` makes a Program of a file, `rewriting.rewritten` the file again with other numbers.
-Inside are mm and rad; a quaternion is of norm 1, w first. Branch and external axes are kept as they stand.
+`formats.read_program` makes a Program of a file, `number_replacement.rewritten` the file again with other
+numbers. Inside are mm and rad; a quaternion is of norm 1, w first. Branch and external axes are kept as they
+stand.
 
 A program is read as Latin-1, in which every byte is one character: places in the text are places in the
 file, whatever its encoding. Names are shown as UTF-8 where they are that.
@@ -229,6 +230,8 @@ class Source:
         files = {name: data, **(beside or {})}
         for file, content in files.items():
             _require_text(file, content)
+        # The own file comes first and unchanged: places in the text are then places in its bytes, at which
+        # numbers are replaced.
         parts = [data, *(content.removeprefix(_MARK) for content in list(files.values())[1:])]
         self._bytes = b"\n".join(parts)
         self.text = self._bytes.decode("latin-1")

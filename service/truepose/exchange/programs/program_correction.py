@@ -123,6 +123,8 @@ def corrected_program(
         else run.reason_against(target)
         for index, target in enumerate(program.targets)
     }
+    # What contradicts itself before it is corrected cannot be: where its controller goes is not what it says
+    # (decision 0071).
     reasons |= run.started([index for index, reason in reasons.items() if reason is None])
     rows = tuple(index for index, reason in reasons.items() if reason is None)
     goals, found = run.found(rows)
@@ -234,6 +236,8 @@ class _Run:
         directions = approach_directions(self._program, rows, found.joints_rad)
         if not directions.any():
             return goals, found
+        # Only the directions change. The search begins again at the controller's own joints, from which turns
+        # are counted.
         goals = replace(goals, stops=replace(goals.stops, direction=directions))
         return goals, correct(self._model, goals, branch)
 
@@ -254,6 +258,7 @@ class _Run:
         while True:
             data = rewritten(written, values, {index: self._turned(index, sent[index]) for index in values})
             again = known(written.again(data)) if written.again and values else None
+            # Each round leaves out a target at least, so that this ends.
             now = self._missing(again, sent) if again else []
             if not now:
                 return data, missed

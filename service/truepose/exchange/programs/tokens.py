@@ -52,6 +52,8 @@ class Language:
     def pattern(self) -> re.Pattern[str]:
         """Return what finds one token."""
         ends = r"(?P<end>\r\n|\n|\r)|" if self.lines else ""
+        # ASCII, since the text is Latin-1 for the sake of its places only: which letter a byte beyond is
+        # nobody knows, and languages take all of them for letters.
         return re.compile(
             rf"{ends}(?P<skipped>{self.skipped})|(?P<string>{self.string})|(?P<number>{self.number})"
             rf"|(?P<word>{self.word})|(?P<sign>{self.sign})",

@@ -98,6 +98,8 @@ class _Joined:
     def __getattr__(self, name: str) -> object:
         if name in self._more:
             return self._more[name]
+        # All of them are asked, not the first: two values that share a name would else be told apart by the
+        # order of arguments.
         having = [value for value in self._values if hasattr(value, name)]
         if not having:
             raise AttributeError(name)
@@ -137,6 +139,8 @@ class Document(Outgoing):
 
     def printed(self) -> dict[str, Json]:
         """Return the document as JSON has it; keys that were not given are absent."""
+        # A key is absent where this kind of result has no such thing, and null where it has it and nobody
+        # knows it.
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 

@@ -49,6 +49,7 @@ def read_covariance(node: Node, size: int) -> FloatArray:
         node.fail("a covariance must not have negative variances")
     deviations = np.sqrt(variances)
     scale = np.outer(deviations, deviations)
+    # An entry that is known on one side of the diagonal only is refused: of NaN every comparison is false.
     known = ~np.isnan(covariance) | ~np.isnan(covariance.T)
     asymmetry = np.abs(covariance - covariance.T)
     if np.any(known & ~(asymmetry <= _TOLERANCE * scale)):

@@ -104,6 +104,7 @@ class _Tree:
 
     def _require_one_piece(self) -> None:
         """Refuse joints that go round in a circle beside the arm."""
+        # A circle hangs on nothing and holds nothing, so that a walk from the root never comes to it.
         found, waiting = {self.root}, [self.root]
         while waiting:
             children = [joint.child for joint in self._held[waiting.pop()]]

@@ -82,6 +82,7 @@ def read_contact_table(
 
 def _check_axes(table: Table, contacts: ContactReadings, targets: Targets) -> None:
     seen = [target.number for target in targets if target.kind in SEEN_ALONG_AXES]
+    # A ball that a sensor sees is read along three axes: without its axis a reading could be any of them.
     along = np.isin(contacts.target, seen)
     column = "axis" if contacts.axis is not None else "target"
     table.require(

@@ -154,7 +154,7 @@ def stop_cells(stops: Stops) -> Cells:
 
 
 def read_stops_of(table: Table, n_joints: int, *, numbered_by: Sequence[str] = ()) -> Stops:
-    """Return the stops of a measured table read with `stop_columns`; a number is one place of the arm.
+    """Return the stops of a measured table read with `stop_fields`; a number is one place of the arm.
 
     Raises BadValueError where it is two. `numbered_by` names the columns that number their stops apart.
     """

@@ -68,6 +68,7 @@ def read_visits(file: Path) -> Mapping[str, Stated]:
 def visits_from(name: str, data: bytes) -> Mapping[str, Stated]:
     """Read the content of a table called `name`; raises as `read_visits`."""
     found: dict[str, Stated] = {}
+    # Of two rows nobody can say which one counts.
     for line, campaign, stated in _rows(name, numbered_rows(name, data)):
         if campaign in found:
             raise BadValueError(f"{campaign!r} stands in two rows", file=name, line=line, column="campaign")

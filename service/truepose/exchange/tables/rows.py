@@ -78,12 +78,14 @@ def parts(
 
 def numbered_rows(file: str, data: bytes) -> Iterator[Numbered]:
     """Yield line number and cells of every line that is not blank."""
+    # Strict: a quote that is never closed would take the rest of the file for one cell.
     reader = csv.reader(_lines(file, data), strict=True)
     line = 1
     try:
         for row in reader:
             if any(cell.strip() for cell in row):
                 yield line, row
+            # A quoted cell may go over several lines; the row is where it begins.
             line = reader.line_num + 1
     except csv.Error as error:
         raise UnreadableFileError(f"the line is not CSV ({error})", file=file, line=line) from error
@@ -94,6 +96,7 @@ def _lines(file: str, data: bytes) -> Iterator[str]:
     stream = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
     try:
         for number in itertools.count(1):
+            # A file without line ends would otherwise be one line of 128 MB, and a cell of it.
             line = stream.readline(_LONGEST_LINE + 1)
             if len(line) > _LONGEST_LINE:
                 raise UnreadableFileError(
@@ -118,6 +121,8 @@ def _line_of_fault(data: bytes) -> int:
 
 
 def _check_separator(file: str, line: int, header: list[str]) -> None:
+    # A table of one column with another separator in it: said in these words, since `column q1_deg is
+    # missing` would send people looking for a column that they see.
     for mark, word in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             raise UnreadableFileError(

@@ -271,6 +271,7 @@ def _convert(
         if fault is not None:
             faults.append((fault[0], header.index(column.name), fault[1]))
     if faults:
+        # As a person reads: from line to line, and in a line from left to right.
         row, position, sentence = min(faults)
         raise _bad_value(sentence, file, places, row, header[position])
     return values
@@ -325,6 +326,8 @@ def _all_numbers(column: Column, cells: Cells) -> FloatArray | None:
 def _floats(cells: Cells) -> FloatArray | None:
     if isinstance(cells, np.ndarray):
         return cells.astype(float) if cells.dtype.kind in _KINDS_OF_NUMBERS else None
+    # The expression is possessive: a bad cell at the end has it fail at once, and not try all cells before it
+    # again.
     if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
         return None
     try:

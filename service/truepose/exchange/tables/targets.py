@@ -48,6 +48,8 @@ from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.messages.message import Message
 from truepose.planning.prediction.plan import BallbarPoses, PromisedPlan
 
+# Rows are read some thousand at a time and none is kept, so that memory sets no limit here as it does
+# elsewhere.
 _MOST_ROWS: Final = 10_000_000
 _NAME: Final = "target"
 _BRANCH: Final = "branch"
@@ -220,6 +222,8 @@ class CorrectionWriter:
     def write(self, names: Sequence[str], found: Corrections, own: Mapping[str, Cells] = _NO_CELLS) -> None:
         """Append rows in their order; of `own` columns those that the answer does not have."""
         cells = correction_cells(names, found)
+        # The apostrophe that keeps a text from being a formula is taken off and put on again: else each pass
+        # through this program would add one.
         kept = {
             _cell(read_text(name)): [_cell(read_text(str(cell))) for cell in column]
             for name, column in own.items()

@@ -86,6 +86,8 @@ def read(draft: Draft) -> None:
     source = draft.source
     root = json_document(source.name, source.data)
     entries = root.key(_TARGETS) if isinstance(root.value, dict) else root
+    # Two readings of one text: the first says what is there and refuses what is wrong, the second where each
+    # number stands.
     places = {path: span for path, span in _values(source) if path[: len(entries.path)] == entries.path}
     for entry in entries.items():
         _read_entry(draft, entry, places)

@@ -92,6 +92,7 @@ def _require_ends(source: Source, lines: Sequence[Tokens]) -> None:
     for line in lines:
         first = line[1] if line[0].upper == "GLOBAL" and len(line) > 1 else line[0]
         if first.upper in _CLOSED_BY:
+            # A routine that begins within another one: the first was never ended.
             if opened is not None:
                 break
             opened = first

@@ -131,6 +131,7 @@ class _Reader:
         if name == _WORLD:
             return AT_THE_ORIGIN
         entry = self._frames.get(name)
+        # Frames may hang in a circle; none that a shop uses lies so far from the world.
         if entry is None or most == 0:
             return None
         outer = self._in_world(self._text(entry, _FATHER), most - 1)
