@@ -28,6 +28,7 @@ def compare_over_time(
     if not records:
         raise NeverDiagnosedError(message("refused.never_diagnosed", robot=repr(robot)))
     _check_one_robot(robot, records)
+    # By when their readings were taken, not by when somebody had them diagnosed.
     counting = sorted(_latest(records), key=lambda record: place_in_time(record.measured_at, record.id))
     return counting, compare(dated_diagnoses(counting))
 

@@ -51,6 +51,7 @@ def _with_readings(subject: Subject, session: MeasuredSession) -> Subject:
         shown = of_campaign(campaign, model).knowns
         knowns = replace(subject.knowns, accuracy=shown.accuracy, discrepancy=shown.discrepancy)
         subject = replace(subject, knowns=knowns)
+    # Places and not readings: a place that is measured again tells of noise, and of the arm nothing new.
     different = len(np.unique(sites(points.stops)))
     return replace(subject, measured=ExistingReadings(points.stops.joints_rad, points.nest, different))
 

@@ -54,7 +54,10 @@ def resample_parameters(
         As of `Cluster.answers`.
     """
     fitted = Resampling(campaign, effects)
+    # Arrays as the storage has them: a worker reads them without parsing tables again.
     content = pack(campaign)
+    # Parts of one size, and not one for each worker: which draws a part makes must not depend on who is there
+    # (decision 0063).
     sizes = [min(TOGETHER, draws - first) for first in range(0, draws, TOGETHER)]
     parts = [
         Part(f"draws {TOGETHER * k + 1} to {TOGETHER * k + size}", DrawsToMake(content, effects, way, size))

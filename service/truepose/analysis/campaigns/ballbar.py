@@ -195,6 +195,8 @@ def _ballbars(owner: Artefact, lengths: Sequence[LengthTaken]) -> Iterator[str]:
 
 def _has_paper(length: LengthTaken, owner: Artefact) -> bool:
     """Whether a length was kept with the paper of the owner's ballbar."""
+    # A certificate holds for the instrument that it names (decision 0020); without one the serial number has
+    # to tell.
     if owner.certificate:
         return length.certificate == owner.certificate
     own = owner.serial_number.casefold()

@@ -35,6 +35,7 @@ def contact_campaign(
         nests=cell.nests,
         contacts=contact_readings(taken),
         targets=tuple(
+            # What the fit shall find is not stated as known.
             replace(target, zero_mm=None) if target.number in plan.found_zeros else target
             for target in plan.targets
         ),

@@ -112,6 +112,8 @@ def unfit_of(entries: Sequence[Entry]) -> Iterator[tuple[Entry, str]]:
     usual = Counter(one.told.robot.joints for one in entries).most_common(1)
     before: dict[bytes, str] = {}
     for one in entries:
+        # By what they say of the parameters: the same readings in two files, or in two formats, are one
+        # measurement.
         readings = one.told.right.tobytes() + one.told.normal.tobytes()
         if why := _lacking(one.stated):
             yield one, why

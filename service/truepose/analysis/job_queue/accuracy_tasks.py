@@ -58,6 +58,7 @@ class OutlookTask:
         from truepose.analysis.predicted_accuracy import promise_of_session
 
         report(0.0, message("job.doing.promise"))
+        # At least one more: the curve of a session that is complete still tells what it has come to.
         plan = promise_of_session(self.session, max(1, self.left)).plan
         points = [ExpectedAccuracy(one.n, one.mean_mm, one.worst_mm) for one in plan.curve]
         now = next(point for point in points if point.configurations >= plan.measured)
