@@ -39,6 +39,7 @@ def lines_of(file: str, data: bytes) -> tuple[list[Line], list[str]]:
     kept = [(number, line) for number, line in texts if line and not line.startswith(_COMMENTS)]
     if not kept:
         raise UnreadableFileError("there is no point in it", file=file)
+    # Once for the file: line by line a comma in a name would pass for a separator.
     separator = _separator(kept[0][1])
     return [Line(number, tuple(_words(line, separator))) for number, line in kept], said
 
@@ -193,6 +194,7 @@ def _key(spelled: str) -> str | None:
 def _unit(file: str, given: str | None, found: str | None) -> str:
     if given is None and found is None:
         raise WrongUnitError(f"the list does not say its unit; state it: {', '.join(UNITS_MM)}", file=file)
+    # One of the two is wrong by a factor of ten at least, and only people know which.
     if given is not None and found is not None and given != found:
         raise WrongUnitError(f"the list says that it is in {found}, and {given} was stated", file=file)
     return given or found or ""

@@ -46,10 +46,13 @@ def before_camera(cell: Cell, node: Node) -> Cell:
     """Return a cell whose artefact a camera follows, as the section says; raises an InputFileError."""
     refuse_unlisted(node, [key.name for key in _SECTION])
     said = _Section(**read_keys(node, _SECTION))
+    # The camera's own level is taken from the world's z: along that there is none.
     if said.position_mm[:2] == said.looks_at_mm[:2]:
         node.key("looks_at_mm").fail("the camera would look straight up or down; nothing says what is level")
     nests_mm = _nests(cell, node)
     read, defined = (pose_uncertainty(nests_mm, u_mm) for u_mm in (said.reading_u_mm, said.artefact_u_mm))
+    # The nests of an artefact that is seen from all sides face nowhere; of a flat one they face along its
+    # normal.
     facing = None if said.seen_within_rad is None else _vector(normal(nests_mm))
     shown = Nest(_vector(centre(nests_mm)), defined.position_mm, facing)
     camera = Camera(

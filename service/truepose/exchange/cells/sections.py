@@ -197,6 +197,7 @@ def _read_within(node: Node, robot: Robot) -> tuple[JointRange, ...]:
     if robot.joint_limits is None:
         return ranges
     for joint, (given, own) in enumerate(zip(ranges, robot.joint_limits, strict=True), start=1):
+        # Both come from degrees in files: the same limit must not be refused for its last bit.
         low, high = own.lower_rad - _ROUNDING_RAD, own.upper_rad + _ROUNDING_RAD
         if not low <= given.lower_rad <= given.upper_rad <= high:
             node.items()[joint - 1].fail(
@@ -229,6 +230,7 @@ def read_people(node: Node) -> tuple[str, ...]:
 def read_devices(node: Node) -> tuple[DeviceEntry, ...]:
     """Read the devices; their names differ."""
     devices = read_by_name(node, _read_device, "devices")
+    # When all are known: which of two devices is the odd one follows from both.
     _refuse_mixture(node, devices)
     return tuple(devices.values())
 

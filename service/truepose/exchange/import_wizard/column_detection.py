@@ -48,6 +48,7 @@ def guess_columns(sheet: Sheet) -> tuple[Guess, ...]:
     values = [_values(sheet, number) for number in range(len(sheet.header))]
     names = [heading(name) for name in sheet.header]
     found = _by_name(sheet, names, values)
+    # Only where no heading says joints: names go before what numbers look like.
     if not _has(found, "joint"):
         found |= _series_like_joints(sheet, values, found)
     if not any(sheet.header):
@@ -177,6 +178,8 @@ def _one_series(found: Guesses, names: Sequence[Heading], quantity: str, *, pref
     numbers = [found[at].meaning.number for columns in series_of.values() for at in columns]
     if len(set(numbers)) == len(numbers):
         return found
+    # The commanded angles are what the controller's nominal model makes a pose of, and that pose is what the
+    # identified model has to correct.
     kept = max(
         series_of,
         key=lambda stem: (len(series_of[stem]), names[series_of[stem][0]].nominal == prefer_nominal),
@@ -234,6 +237,7 @@ def _with_unit(guess: Guess, found: Guesses, values: Sequence[FloatArray]) -> Gu
     units = QUANTITIES[meaning.quantity].units
     if not units or meaning.unit in units:
         return guess
+    # All columns of a kind together: by itself a joint that hardly moves would look like radians.
     kind = [at for at, other in found.items() if other.meaning.quantity == meaning.quantity]
     unit, key = _unit_by_size(
         meaning.quantity, np.concatenate([values[at] for at in kind]), next(iter(units))

@@ -59,6 +59,7 @@ def choices_of(document: Mapping[str, Any], notes: Sequence[str] = ()) -> Choice
 def _file(said: Mapping[str, Any]) -> FileChoice:
     columns = {int(at): ColumnMeaning(**meaning) for at, meaning in (said.get("columns") or {}).items()}
     edits: dict[int, str | None] = {int(line): text for line, text in (said.get("lines") or {}).items()}
+    # Behind the edits: a line that was corrected and is left out later is left out.
     left_out = dict.fromkeys(said.get("left_out") or (), None)
     return FileChoice(said.get("role"), columns, edits | left_out)
 

@@ -51,6 +51,7 @@ def _lines(piece: Piece, line: int) -> tuple[DisplayedLine, ...]:
 
 
 def _line(number: int, text: str, separator: str | None) -> DisplayedLine:
+    # Lines may have 65,536 characters, and five of them go onto the page with each fault.
     short = text[:_WIDEST]
     return DisplayedLine(number, tuple(cells_of(short, separator)) if separator else (short,), short)
 

@@ -61,6 +61,7 @@ def robot_of(pieces: Sequence[Piece], table: ImportedTable, choices: Choices) ->
 
 
 def _chosen(own: Robot | None, choices: Choices) -> tuple[str, Robot, Message] | None:
+    # A robot that somebody brought is meant; the known ones are for whoever brought none.
     if own is not None and choices.robot in {None, OWN_ROBOT}:
         return OWN_ROBOT, own, message("bring.robot.file")
     if choices.robot in list_robots() and choices.robot is not None:
@@ -82,6 +83,7 @@ def _own_robot(pieces: Sequence[Piece]) -> Robot | None:
 def _read(piece: Piece) -> Robot:
     """Return the robot of a file; its readers take a path."""
     with tempfile.TemporaryDirectory() as folder:
+        # Named here: what somebody called a file is no path.
         path = Path(folder) / f"robot{Path(piece.name).suffix.lower()}"
         path.write_bytes(piece.data)
         return read_robot_file(path).robot

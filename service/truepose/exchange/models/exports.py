@@ -59,6 +59,7 @@ def export(model: Model, form: Format, *, fitted: bool = False, as_csv: bool = F
     """
     if form not in FORMATS:
         raise ConfigurationError(f"{form!r} is no format for a model; there are {', '.join(FORMATS)}.")
+    # What is typed into a controller is no table: zeros, frames and tool points are worked out for it alone.
     if form == "controller":
         values = controller_values(model)
         return Export(form, values_text(model, values), tuple(controller_remarks(values)), values=values)

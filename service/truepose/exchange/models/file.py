@@ -63,6 +63,7 @@ def model_file_from_text(text: bytes, name: str, *, accept_edited: bool = False)
     """
     root = json_document(name, text)
     check_format(root)
+    # Before the values are read: an edit that no reader would notice is still an edit.
     integrity = integrity_of(root.entries()) if accept_edited else require_unedited(root)
     return ModelFile(read_model_document(root), integrity)
 

@@ -72,6 +72,7 @@ def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Seque
     document = {
         "robot": robot,
         "instrument": _instrument(plan),
+        # The digits that tables have: a plan is the same from either.
         "configurations_deg": np.round(np.degrees(plan.joints_rad), 9).tolist(),
         **({} if plan.nest is None else {"nests": plan.nest.tolist()}),
         **({} if plan.targets is None else {"targets": [list(own) for own in plan.targets]}),

@@ -144,6 +144,7 @@ class ValidationDocument(Document):
     )
     limit_mm: Quantity
     decision: DecisionDocument | None = Field(None, description="Null without a limit.")
+    # `pass` is a word of Python: values have `passed`, documents `pass`, and either is read.
     passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")
 
 

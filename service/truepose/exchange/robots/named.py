@@ -189,6 +189,7 @@ def _known() -> tuple[Robot, ...]:
 
 def _same(robot: Robot, known: Robot) -> bool:
     """Whether a robot has the name and the table of a known one."""
+    # Both, name and table: limits of a sister arm would let a correction go where this one is stopped.
     if _plain(known.name) not in _plain(robot.name) or robot.n_joints != known.n_joints:
         return False
     return bool(np.allclose(robot.table, known.table, rtol=0.0, atol=_ROUNDING))

@@ -58,6 +58,7 @@ def kinematics_from_text(file: str, data: bytes) -> Robot:
 
 def _loaded(file: str, data: bytes) -> object:
     try:
+        # Plain values only: other loaders make whatever objects a file names, and run code of it.
         return yaml.safe_load(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
@@ -71,6 +72,7 @@ def _loaded(file: str, data: bytes) -> object:
 def _origin(node: Node) -> FloatArray:
     x, y, z, roll, pitch, yaw = (_number(node.key(name)) for name in ("x", "y", "z", "roll", "pitch", "yaw"))
     frame = np.eye(4)
+    # As the description of the arm composes them, which every other program then sees.
     frame[:3, :3] = rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
     frame[:3, 3] = np.array([x, y, z]) / _M_PER_MM
     limits = limits_of("x_mm")

@@ -237,6 +237,7 @@ def _origin(element: Element) -> FloatArray:
     if origin is None:
         return frame
     roll, pitch, yaw = _numbers(origin, "rpy", _ORIGIN)
+    # Roll, pitch and yaw turn about fixed axes, in this order: the first stands last.
     frame[:3, :3] = rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
     frame[:3, 3] = _MM_PER_M * np.array(_numbers(origin, "xyz", _ORIGIN))
     for value in frame[:3, 3].tolist():
@@ -255,6 +256,8 @@ def _axis(element: Element) -> FloatArray:
 
 def _limits(element: Element) -> JointRange | None:
     limit = element.optional("limit")
+    # By the format an end that is not there is 0. Where one is missing nobody meant a joint that stands
+    # still: its limits are unknown.
     if limit is None or not {"lower", "upper"} <= set(limit.attributes):
         return None
     (lower,), (upper,) = _numbers(limit, "lower", (0.0,)), _numbers(limit, "upper", (0.0,))

@@ -80,6 +80,7 @@ def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[Message, ...]
     pairs = np.unique(np.column_stack([stops.config, legs.placement]), axis=0)
     if len(np.unique(pairs[:, 0])) == len(pairs):
         return legs, ()
+    # A power of ten, so that the number that the file has can still be read in the one that is shown.
     step = 10 ** len(str(stops.config.max()))
     _, place = np.unique(legs.placement, return_inverse=True)
     earlier = stops.repeat_of

@@ -97,6 +97,7 @@ class _Block:
             state.relative = code == 91.0
         elif code in _UNITS:
             state.unit = _UNITS[code]
+        # Where the zero of G54 and its like lies is kept in the machine: the file only names it.
         elif code in _OFFSETS:
             state.work_object = Frame(f"G{code:g}")
         elif code in _SHIFTED:
@@ -121,6 +122,8 @@ class _Block:
             return RELATIVE
         if self._state.shifted:
             return message("left.zero_shifted")
+        # A word that a block leaves out keeps its value; to correct it the block would need words that it
+        # does not have.
         absent = [axis for axis in _AXES if axis not in self._axes]
         return message("left.absent_kept", names=", ".join(absent)) if absent else None
 

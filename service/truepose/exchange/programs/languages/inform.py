@@ -136,6 +136,7 @@ class _Job:
         if self._heads.kind == "ANGLE":
             joints = Written(held, _JOINTS)
             return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=kept)
+        # A seventh number is an axis of the arm that the six others do not determine.
         if kept:
             return message("left.seven_axes")
         position, rotation = Written(held[:3], _POSITION), Written(held[3:], _ROTATION)

@@ -127,6 +127,7 @@ class Data:
         if value and kind in _TARGETS:
             self._add_all(datum, name.text, _dimensions(rest), value)
         elif value:
+            # Declared twice under one name, perhaps with two values: of such a frame only the name is known.
             again = datum.frame is not None
             datum.frame = Frame(name.text) if again else _FRAMES[kind](self._source, name.text, value)
 
@@ -308,6 +309,8 @@ class _Follower:
             )
 
     def _call(self) -> None:
+        # A routine that is not followed may move to what it is given, and leaves the robot where nobody
+        # knows.
         handed = self._data.targets_in(self._routine, self._words)
         if handed:
             self._draft.hand_over(self._draft.line(self._words), self._draft.shown(self._words), handed)
@@ -346,6 +349,8 @@ class _Follower:
         """Return tool and work object, or why the motion is left alone; joint angles need neither."""
         if move.kind == JOINTTARGET:
             return None, None
+        # What PDispOn adds is computed while the program runs: the numbers of the target are not where the
+        # robot goes.
         if self._displaced:
             return DISPLACED
         if not -len(arguments) <= move.tool < len(arguments):

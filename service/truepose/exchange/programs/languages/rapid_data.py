@@ -87,6 +87,8 @@ def read_statements(source: Source) -> Iterator[Statement]:
         if not _ends(end):
             source.fail("the statement that begins here does not end with ;", found[0].start)
         head, words = _head(behind, found[:-1])
+        # Names in a routine may be its arguments, of which the file says no value; what else it declares
+        # holds there alone.
         if behind in _ROUTINES:
             count += 1
             routine = Routine(count, frozenset(token.upper for token in head))
@@ -191,6 +193,8 @@ def tool(source: Source, name: str, words: Tokens) -> Frame | Message:
     match inside(words, "["):
         case [holds, frame, _] if _says(holds, "TRUE"):
             return Frame(name, _pose_of(source, frame))
+        # A tool that stands in the cell: the robot brings the work to it, and what the target places is no
+        # tool at the flange.
         case [holds, _, _] if _says(holds, "FALSE"):
             return message("left.tool_stands", tool=name)
     return Frame(name)
@@ -199,8 +203,10 @@ def tool(source: Source, name: str, words: Tokens) -> Frame | Message:
 def work_object(source: Source, name: str, words: Tokens) -> Frame | Message:
     """Return the work object that a wobjdata literal is, or why targets in it are left alone."""
     match inside(words, "["):
+        # The robot holds the work: its frame moves with the flange.
         case [holds, _, _, _, _] if _says(holds, "TRUE"):
             return message("left.object_held", frame=name)
+        # A mechanical unit moves the user frame (ufprog FALSE): where it is stands in no text.
         case [_, fixed, _, _, _] if _says(fixed, "FALSE"):
             return message("left.object_moved", frame=name)
         case [_, _, _, user, of_object]:
