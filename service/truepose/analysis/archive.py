@@ -117,6 +117,7 @@ def in_database(url: str) -> Iterator[list[ArchivedCampaign]]:
         contextlib.closing(Database(copy)) as database,
         asyncio.Runner() as runner,
     ):
+        # From one snapshot: a service may add campaigns meanwhile, which the next run finds.
         found = [*_own(database, runner), *_collected(database, runner)]
         if not found:
             raise ConfigurationError(f"{display_address(url)} holds no campaign.")
@@ -237,6 +238,7 @@ class Archive:
         """
         computed = 0
         for outcome in cluster.outcomes(analyse, self._missing()):
+            # Parts are numbered as they were sent, and campaigns that are there already were not.
             place = self._asked[outcome.number]
             if isinstance(outcome, PartFailure):
                 self._failed[place] = outcome.why

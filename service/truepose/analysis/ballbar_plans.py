@@ -224,6 +224,8 @@ def _identified(
             continue
         foreseen = LengthForecast(found.model, plan, kit)
         answers.append((_typical_u_mm(foreseen, plan), found, foreseen))
+        # The richest comes first; where it foresees well enough to name a wrong pair, no poorer one is
+        # needed.
         if answers[-1][0] <= _WELL_FORESEEN_MM:
             break
     if not answers:

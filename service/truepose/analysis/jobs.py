@@ -76,6 +76,7 @@ class JobService:
         sender: str = "",
     ) -> int:
         """Queue an identification and return the job's number; raises NotFoundError."""
+        # Before it is queued: nobody should wait for a worker to be told what is known now (decision 0052).
         work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
         # Read when the job has its worker: two hundred may wait, each with a campaign of megabytes.

@@ -200,6 +200,7 @@ class CampaignService:
         The first one identifies; the second one judges, with a tracker, or in closed loops as the first.
         """
         role = await self._check_roles(calibration_id, validation_id)
+        # A record that is not as it was written must not come back as a campaign that looks sound.
         await self._sessions.require_intact(calibration_id)
         if validation_id is not None:
             await self._sessions.require_intact(validation_id)
@@ -252,6 +253,7 @@ class CampaignService:
         judging = (await self._sessions.get(validation_id)).role
         if judging == "contacts" and role != "contacts":
             raise RoleError(message("refused.contacts_validate_contacts", session=validation_id))
+        # No other session knows where the seats of that ballbar were, from which its lengths count.
         if judging == "ballbar":
             raise RoleError(message("refused.ballbar_never_validates", session=validation_id))
         return role

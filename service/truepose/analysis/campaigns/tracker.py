@@ -80,6 +80,7 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
     for session in sessions:
         _check_measured(session)
     if validation is not None:
+        # Another tool or base would be another model, and its errors would be called errors of this one.
         _check_same_setup(calibration, validation)
     cell, registration = calibration.setup.cell, calibration.registration
     return Campaign(
@@ -235,6 +236,7 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
 
 def _instrument(sessions: Sequence[MeasuredSession]) -> str:
     """Return the serial number of what read all of it; nothing where several did, or it tells none."""
+    # Of the readings, not of the cell file: an instrument may have been exchanged since (decision 0020).
     serials = {point.instrument_serial for session in sessions for point in session.points}
     return serials.pop() if len(serials) == 1 else ""
 

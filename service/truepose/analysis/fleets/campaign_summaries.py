@@ -94,6 +94,7 @@ class CampaignSummaryService:
 
     async def known(self, campaigns: Sequence[ResultRecord]) -> tuple[CollectedCampaign, ...]:
         """Return what is kept of campaigns, without those that told nothing yet."""
+        # The hash of all files of the program is read from disk the first time.
         program = await asyncio.to_thread(program_sha256)
         found = []
         for one in campaigns:

@@ -114,6 +114,8 @@ def fleet_found(
     ConfigurationError
         Campaigns are of several types, of fewer than two robots, or no robot was measured twice.
     """
+    # Parameters count from a nominal table: those of another type have the same names and mean something
+    # else.
     wanted = _type_wanted(of_type, [one.told.robot.name for one in entries])
     among = [one for one in entries if one.told.robot.name == wanted]
     unfit = {one.campaign: why for one, why in unfit_of(among)}

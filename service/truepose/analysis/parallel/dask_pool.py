@@ -269,6 +269,7 @@ class _LocalWorkers:
     def again(self) -> None:
         """Start those that were given up."""
         for name, nanny in list(self._cluster.workers.items()):
+            # Taken out first: Dask counts them as workers that it has, and would start none in their place.
             if nanny.status in (Status.closed, Status.failed):
                 self._cluster.workers.pop(name, None)
         self._cluster.scale(self._count)
