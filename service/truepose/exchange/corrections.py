@@ -94,6 +94,7 @@ def correct_file(
     model = with_known_limits(model)
     correct_one = _correct_table if is_table(name) else _correct_program
     answer = correct_one(model, name, data, asked, out, seen)
+    # Whoever says that the file is meant as it is written has seen the caution.
     if not asked.as_written:
         answer.withheld = reason_to_withhold(answer.cautions, answer.summary.totals)
     return answer

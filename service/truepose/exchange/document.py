@@ -63,6 +63,7 @@ def read_bytes(path: Path, *, most: int = GREATEST_BYTES) -> bytes:
     except (OSError, ValueError) as error:  # a name with a zero byte is no name
         reason = error.strerror if isinstance(error, OSError) else error
         raise UnreadableFileError(f"the file cannot be read ({reason})", file=path.name) from error
+    # Refused and not cut: the rest of a table that is read in part looks like a whole one.
     if len(data) > most:
         raise UnreadableFileError(
             f"the file has more than {most // 2**20} MB, the most that is read", file=path.name
@@ -169,6 +170,7 @@ class Node:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             self.fail(f"{_shown(self.value)} is not a number")
         try:
+            # A whole number of JSON or TOML has no limit of size; a float has one.
             number = float(self.value)
         except OverflowError:
             number = math.inf
@@ -194,6 +196,7 @@ class Node:
         """Return the text here, which is not empty."""
         if not isinstance(self.value, str):
             self.fail(f"{_shown(self.value)} is not text")
+        # Blanks under `robot` or `name` would stand on every page as nothing at all.
         if not self.value.strip():
             self.fail("the text is empty")
         if len(self.value) > _LONGEST_TEXT:

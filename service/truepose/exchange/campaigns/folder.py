@@ -142,6 +142,7 @@ def _judged_by_themselves(description: Description, campaign: Campaign) -> Itera
     """Say how many validation readings are calibration readings too: a copied file proves nothing."""
     if campaign.calibration is None or campaign.validation is None:
         return
+    # Bit by bit: what was measured twice differs in its last digits, what was copied does not.
     identifying = {row.tobytes() for row in _readings(campaign.calibration)}
     shared = sum(row.tobytes() in identifying for row in _readings(campaign.validation))
     if shared:

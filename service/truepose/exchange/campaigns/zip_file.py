@@ -63,6 +63,7 @@ def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
     InputFileError
         As `read_campaign`.
     """
+    # From memory and never from a folder: nothing of an archive that is refused is left anywhere.
     return _opened(archive, name, _read)
 
 
@@ -153,6 +154,8 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
         raise UnsafeArchiveError(f"the content exceeds {_TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
     members: dict[str, zipfile.ZipInfo] = {}
     for entry in entries:
+        # Nothing is unpacked to disk here. But the archive is stored as it came, and whoever downloads it may
+        # unpack it.
         if not _stays_inside(entry.filename):
             raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
         # Which of two members of one name is taken differs between programs: what one has checked another

@@ -122,6 +122,7 @@ def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
     # of this format is a fault, and is shown as one.
     except _OF_ANOTHER_FORM:
         return None
+    # A fault is part of the answer: the page shows its line and lets a person correct it.
     except InputFileError as error:
         return Reading(Understood(files_seen(found, ()), fault=display.display_fault(error, found, ())))
     return _of_a_folder(found, campaign, choices)
@@ -229,6 +230,8 @@ def _read(gathered: _Gathered, understood: Understood) -> Reading:
         readings=sum(len(table) for table in gathered.tables.values()),
         questions=tuple(questions),
     )
+    # Without a robot, or without an uncertainty, no table can be read further: what would come next are
+    # faults that are none.
     if found.robot is None or any(one.about in {"robot", "uncertainty"} for one in questions):
         return Reading(replace(seen, questions=(*questions, *_of_day(gathered.choices))))
     try:
@@ -266,6 +269,7 @@ def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Ca
         role: _with_uncertainty(table, choices.u_mm or scatter_mm) for role, table in gathered.tables.items()
     }
     meant = {role: apply_changes(robot, table.columns, choices.changes) for role, table in filled.items()}
+    # What a description states goes before what is assumed.
     keys = {**_keys(next(iter(meant.values()))[0], filled.values()), **gathered.stated}
     if scatter_mm is not None and choices.u_mm is None:
         # Places that are measured again scatter by the arm and by the instrument: the arm's own part must not

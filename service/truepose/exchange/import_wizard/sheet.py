@@ -39,6 +39,7 @@ def decode_text(file: str, data: bytes) -> str:
     try:
         text = data.decode(_encoding(data))
     except UnicodeDecodeError:
+        # Replaced and not refused: what is damaged by it are letters of headings, never digits.
         text = data.decode("cp1252", errors="replace")  # as spreadsheets under Windows write
     if "\0" in text:
         raise UnreadableFileError("this is no text; export the readings as a text file", file=file)
@@ -77,6 +78,7 @@ def separator_of(lines: Sequence[str]) -> str | None:
     """
     bare = [_QUOTED.sub("", line) for line in lines if line.strip()][:_LOOKED_AT]
     found = {mark: _steadiness([line.count(mark) for line in bare]) for mark in _SEPARATORS}
+    # At least half of the lines: notes above a table have none of its marks, and may be long.
     strong = [mark for mark in ("\t", ";", "|") if found[mark] >= max(2, len(bare) // 2)]
     if strong:
         return max(strong, key=lambda mark: found[mark])
@@ -253,6 +255,7 @@ def _header(above: Sequence[tuple[int, list[str]]], width: int) -> tuple[tuple[s
 
 def _named(cells: Sequence[str], width: int) -> tuple[str, ...] | None:
     """Return the cells as names of columns, None where they are none."""
+    # Comment signs before the first heading are how some programs keep others from reading it as data.
     names = list(cells)
     if names and names[0].startswith(_COMMENTS):
         names[0] = names[0].lstrip("#/%! ")

@@ -146,9 +146,12 @@ def _roles(
     kinds = [_kind([guess.meaning for guess in guesses]) for _, guesses, _ in sheets]
     judging = [bool(_JUDGES.search(sheet.name)) for sheet, _, _ in sheets]
     readable = [at for at, kind in enumerate(kinds) if kind]
+    # Of two tables of one kind with no word on either the larger one identifies: a model needs more readings
+    # than its judge.
     if len(readable) == 2 and not any(judging) and kinds[readable[0]] == kinds[readable[1]]:
         smaller = min(readable, key=lambda at: len(sheets[at][0].rows))
         return [_role(kind, at == smaller, "bring.role.size") for at, kind in enumerate(kinds)]
+    # Where every name has such a word (a folder of a `test`) it tells nothing.
     if readable and all(judging[at] for at in readable):
         judging = [False] * len(sheets)
     return [_role(kind, judges, "bring.role.name") for kind, judges in zip(kinds, judging, strict=True)]
@@ -226,6 +229,7 @@ def _numbered(table: ImportedTable, *, several: bool) -> ImportedTable:
     joints = joints_of(columns)
     if joints.shape[1]:
         pair = (columns[ends[0]] * _PAIRS + columns[ends[-1]]).astype(np.int64)
+        # Two tables each count from 1: their numbers would join stops that have nothing in common.
         if several or not numbers_its_stops(columns.get("config"), joints, pair):
             columns["config"], columns["repeat_of"] = numbered_stops(joints, pair)
     return replace(table, columns=columns)

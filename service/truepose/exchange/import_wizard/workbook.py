@@ -79,6 +79,7 @@ def _sheets(book: _Book) -> list[tuple[str, str]]:
         if tag == "workbookPr":
             book.from_1904 = said.get("date1904") in {"1", "true"}
         if tag == "sheet" and said.get("state", "visible") == "visible":
+            # Targets are given from the part or from the root of the book, by the program that wrote it.
             target = related.get(said.get("id", ""), "").lstrip("/")
             part = target if target.startswith("xl/") else f"xl/{target}"
             if part.startswith("xl/worksheets/"):  # others are charts
@@ -190,6 +191,8 @@ class _Cells:
         self._left -= 1
         if row > MOST_ROWS or column > MOST_COLUMNS or self._left < 0:
             raise self._refused("the sheet has more cells than are read")
+        # By place and not in a grid: two cells in far corners must not cost what lies between them (decision
+        # 0055).
         self.rows.setdefault(row, {})[column] = _shown(self._book, self._said, value)
 
     def _refused(self, sentence: str) -> UnreadableFileError:

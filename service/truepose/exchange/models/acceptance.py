@@ -89,6 +89,8 @@ def read_checked_model(
     # author, so the shift is looked at either way (decision 0074).
     usual_mm = _IDENTIFIED_SHIFT_MM if found.integrity is Integrity.INTACT else MODEL_SHIFT_MM
     plausibility = _plausibility(found.model, usual_mm, acceptance.max_shift_mm)
+    # A figure moves no robot: there an intact file is only remarked on, since a validation is how one finds
+    # out (decision 0074).
     if plausibility.beyond and (robot_follows or found.integrity is not Integrity.INTACT):
         raise ImplausibleModelError(_refusal(found.model.robot, plausibility), file=file.name)
     remarks = tuple(_remarks(found, plausibility))
@@ -253,6 +255,7 @@ def _apart_mm(
     centres_mm: list[tuple[float, float, float]], known_mm: list[tuple[float, float, float] | None]
 ) -> float:
     """Return how far nests lie apart at most; a cell that does not know its nests refuses none."""
+    # Nests that the cell does not know are found by each session; there is nothing to compare.
     if any(centre is None for centre in known_mm) or not known_mm:
         return 0.0
     if len(centres_mm) != len(known_mm):

@@ -109,6 +109,7 @@ class Controller:
 
     def can_tell(self, target: ProgramTarget, branch: int) -> bool:
         """Whether it is known how the controller chooses among its answers to a pose."""
+        # An arm of seven joints reaches a pose in a whole line of configurations, and no rule says in which.
         if self._robot.n_joints > _MOST_JOINTS:
             return False
         return target.near_rad is not None or (branch != ANY_BRANCH and has_closed_form(self._robot))

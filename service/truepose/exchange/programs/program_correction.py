@@ -108,6 +108,8 @@ def corrected_program(
         The program is of an arm with another number of joints, or the model needs measured torques.
     """
     counted = program.format == _COUNTS_FROM_THE_HORIZONTAL
+    # How FANUC counts joint 3 is for the user to say; assumed wrongly, every joint target would be off by the
+    # angle of joint 2.
     coupled = counted and understood.coupled and can_be_coupled(model.robot)
 
     def known(read: Program) -> Program:
@@ -297,6 +299,8 @@ class _Run:
             for target in self._program.targets
             if isinstance(target.value, Pose) and branch_of_words(target.branch) is None and target.branch
         ]
+        # One branch was stated for all: where the file names several, it would send some of them into another
+        # posture.
         postures = dict.fromkeys(self._rule.posture(target.branch) for target in asked)
         return "; ".join(postures) if len(postures) > 1 else ""
 
@@ -341,6 +345,8 @@ def _flanges(model: Model, targets: Sequence[ProgramTarget]) -> FloatArray:
     told = [row for row, target in enumerate(targets) if isinstance(target.value, Configuration)]
     if told:
         joints = np.array([targets[row].known_rad(model.robot.n_joints) for row in told])
+        # A configuration says where the controller believes its flange to be, which is what its nominal table
+        # says.
         found[told] = _nominal_flange(model, joints)
     return found
 

@@ -99,6 +99,7 @@ def read_point_table(
     """
     table = read_table(file, data, point_columns(n_joints, nests), together=point_groups(n_joints))
     said = read_fields(table, _point_fields(nests))
+    # Last: covariances may come from two kinds of columns, and quaternions are brought to length 1.
     said |= {"covariance_mm2": _covariance(table, tracker_position_mm), "quaternion": _quaternion(table)}
     readings = PointReadings(stops=read_stops_of(table, n_joints), **said)
     return readings, (*ignored_columns(table), *_superseded(table), *_doubtful_repeats(readings.stops))
@@ -195,6 +196,8 @@ def _full_covariance(table: Table) -> FloatArray:
         f"{COVARIANCE[0]} to {COVARIANCE[-1]} make the reading worthless: they are in mm2, and "
         f"{_GREATEST_COVARIANCE_MM2:,.0f} mm2 is the most; correct them, or remove the row",
     )
+    # Beyond what rounding leaves: a weight is the inverse, and of a matrix that is nearly singular it is a
+    # weight that nobody stated.
     definite = np.linalg.eigvalsh(covariance)[:, 0] > _LEAST_VARIANCE_MM2
     table.require(
         definite, COVARIANCE[0], f"{COVARIANCE[0]} to {COVARIANCE[-1]} are not a positive definite matrix"

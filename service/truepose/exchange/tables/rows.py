@@ -64,6 +64,7 @@ def parts(
     total = 0
     while part := list(itertools.islice(numbered, _ROWS_AT_A_TIME)):
         total += len(part)
+        # Counted as they come, so that a table which is too long is refused before all of it is in memory.
         if total > most_rows:
             raise UnreadableFileError(
                 f"the file has more than {most_rows:,} rows, the most that is read", file=file

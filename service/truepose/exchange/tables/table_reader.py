@@ -250,6 +250,8 @@ def _check_header(
 def _check_absent(file: str, column: Column, present: set[str], line: int | None) -> None:
     """Refuse an absent column that is required, or that is there in another unit."""
     rival = in_other_unit(column.name, present)
+    # An optional column without a unit in its name may be anything; one that names another unit was meant for
+    # this.
     if rival is not None and (column.required or unit(rival)):
         raise WrongUnitError(unit_sentence("column", rival, column.name), file=file, line=line)
     if column.required:
@@ -318,6 +320,8 @@ def _all_numbers(column: Column, cells: Cells) -> FloatArray | None:
     values = _floats(cells)
     if values is None:
         return None
+    # A number that no instrument can have said makes the column unsound as a whole: cell by cell its place is
+    # then found.
     limits, size = limits_of(column.name), np.abs(values)
     sound = (size == 0.0) | ((size >= limits.least) & (size <= limits.greatest))
     return values if bool(sound.all()) else None
