@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from truepose_drivers import arm_options
-from truepose_drivers import options as option
 from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
@@ -43,7 +42,7 @@ from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.fanuc_mappdk.conversation import Dialogue
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, open_patiently
-from truepose_drivers.transports.tcp import TcpLink, tcp_link
+from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN = "unknown"
 _LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
@@ -274,9 +273,7 @@ class MappdkRobot:
 
 
 def _open(options: Options, clock: Clock | None) -> MappdkRobot:
-    logger = TcpLink(
-        option.host(options), option.port({"port": options.get("logger_port", protocol.LOGGER_PORT)})
-    )
+    logger = tcp_link(options, protocol.LOGGER_PORT, port="logger_port")
     return MappdkRobot(
         tcp_link(options, protocol.MOTION_PORT),
         clock or MonotonicClock(),
