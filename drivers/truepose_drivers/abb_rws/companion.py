@@ -10,7 +10,8 @@ from truepose_drivers.abb_rws.motion import read_panel
 from truepose_drivers.abb_rws.protocol import Execution, controller_state
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
 from truepose_drivers.arm_motion import AccompaniedRobot
-from truepose_drivers.errors import DriverError, NotInitialisedError
+from truepose_drivers.errors import NotInitialisedError
+from truepose_drivers.transports.link import introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 LOGIN_OPTIONS = {
@@ -34,12 +35,9 @@ class RwsCompanion:
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
         await self._session.open()
-        try:
+        async with introduction(self._session):
             # The login goes with the first question, so a wrong password shows here and not under way.
             await self._session.get(protocol.CONTROLLER_STATE, controller_state)
-        except DriverError:
-            await self._session.close()
-            raise
 
     async def close(self) -> None:
         """End the session, then close the link; never raises."""

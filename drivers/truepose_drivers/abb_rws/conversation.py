@@ -13,7 +13,7 @@ from truepose_drivers.abb_rws import http
 from truepose_drivers.abb_rws.protocol import LOGOUT, error_sentence
 from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError, DriverError
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OverPort
 
 # A controller ends a connection after 400 requests, in the middle of whatever.
 _MOST_REQUESTS: Final = 300
@@ -25,13 +25,14 @@ _BUSY: Final = 503
 Value = TypeVar("Value")
 
 
-class RwsSession:
+class RwsSession(OverPort):
     """Asks for resources and acts on them."""
 
     def __init__(self, link: Link, login: http.Login) -> None:
         self._conversation = Conversation[http.HttpResponse](
             link, http.ResponseReader, harmless=(DeviceRefusedError,)
         )
+        super().__init__(self._conversation)
         self._login = login
         self._forget()
 
@@ -42,19 +43,10 @@ class RwsSession:
         self._requests = 0  # on this connection
         self._ends = False  # the controller said that it closes the connection
 
-    @property
-    def is_open(self) -> bool:
-        """Whether the controller is there as far as known."""
-        return self._conversation.is_open
-
     async def open(self) -> None:
         """Connect and begin a session of its own; raises ConnectFailedError."""
         self._forget()
         await self._conversation.open()
-
-    async def close(self) -> None:
-        """Close the connection; never raises."""
-        await self._conversation.close()
 
     async def leave(self) -> None:
         """Log out, for sessions are few, then close the connection; never raises."""

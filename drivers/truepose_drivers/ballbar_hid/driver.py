@@ -10,6 +10,7 @@ from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, Driv
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
+from truepose_drivers.transports.link import introduction
 from truepose_drivers.transports.usb import LocalUsb, UsbDevice, usb_address
 
 _RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
@@ -40,18 +41,16 @@ class HidBallbar:
         """Open the device, ask how long it is and let it send; raises ConnectFailedError."""
         await self._port.open()
         self._last = None
-        try:
-            async with self._turns.turn():
-                self._nominal_mm = protocol.decode_bar(
-                    await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES)
-                ).nominal_mm
+        async with introduction(self._port), self._turns.turn():
+            try:
+                bar = await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES)
+                self._nominal_mm = protocol.decode_bar(bar).nominal_mm
                 await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=True)))
-        except DeviceRefusedError as error:
-            await self._port.close()
-            raise ConnectFailedError(
-                f"the HID device at {self._port.address} cannot be told to send ({error}):"
-                " check that it is a ballbar"
-            ) from error
+            except DeviceRefusedError as error:
+                raise ConnectFailedError(
+                    f"the HID device at {self._port.address} cannot be told to send ({error}):"
+                    " check that it is a ballbar"
+                ) from error
 
     async def close(self) -> None:
         """Let the device rest and close it; never raises."""

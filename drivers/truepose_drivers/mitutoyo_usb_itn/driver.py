@@ -10,6 +10,7 @@ from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
+from truepose_drivers.transports.link import introduction
 from truepose_drivers.transports.usb import UsbDevice, UsbPort, usb_address
 from truepose_drivers.usb.protocol import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
 
@@ -53,7 +54,7 @@ class UsbItnGauge:
         Raises ConnectFailedError.
         """
         await self._replies.open()
-        async with self._replies.turn():
+        async with introduction(self._replies), self._replies.turn():
             try:
                 # Set the mode, read it back, then ask: the order of the public clients. Mitutoyo publishes
                 # nothing about it, so no step is left out.

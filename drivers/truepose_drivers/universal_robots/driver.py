@@ -21,14 +21,10 @@ from truepose_drivers.api import (
     Options,
 )
 from truepose_drivers.arm_motion import require_speeds, require_target
-from truepose_drivers.errors import (
-    BusyError,
-    ConnectFailedError,
-    DeviceRefusedError,
-)
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.link import Link, drain, introduction
 from truepose_drivers.transports.tcp import tcp_link
 from truepose_drivers.universal_robots import protocol
 from truepose_drivers.universal_robots.progress import STANDING_RAD, Progress, require_ready
@@ -99,12 +95,8 @@ class UniversalRobot:
         """Open the link and agree on the registers; raises ConnectFailedError."""
         self._newest_s = -math.inf
         await self._rtde.open()
-        try:
-            async with self._rtde.turn():
-                await self._agree()
-        except BusyError as error:
-            await self._rtde.close()
-            raise ConnectFailedError(str(error)) from error
+        async with introduction(self._rtde), self._rtde.turn():
+            await self._agree()
 
     async def close(self) -> None:
         """Close the links; never raises."""
@@ -281,7 +273,7 @@ def _recipe(payload: bytes, wanted: Mapping[str, str]) -> protocol.Recipe:
     named = dict(zip(wanted, types, strict=False))
     if protocol.IN_USE in types:
         used = next(name for name, kind in named.items() if kind == protocol.IN_USE)
-        raise BusyError(
+        raise ConnectFailedError(
             f"another program writes {used} of the robot: end it, so that one program alone moves the arm"
         )
     if protocol.NOT_FOUND in types:

@@ -166,6 +166,7 @@ class Bar(Gauge):
     absent = {
         "another_unit_changes_no_reading": "a report has tenths of micrometres and no other unit",
         "answers_to_others_are_no_reading": "a HID device has one report, and one program that listens",
+        "a_device_that_hangs_up_at_once_was_not_connected": "who is there is told beside the reports",
         "connect_refuses_another_protocol": "the system chooses a device by its vendor and product",
         "answers_in_single_bytes_are_right": "the system hands out whole reports",
         "answers_that_stall_are_waited_for": "the system hands out whole reports",

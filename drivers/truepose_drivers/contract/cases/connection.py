@@ -3,8 +3,8 @@
 import asyncio
 from typing import Final
 
-from truepose_drivers.contract.case import LINKED, Trial, broken, case, now_s
-from truepose_drivers.contract.wire import Piece, Silence
+from truepose_drivers.contract.case import LINKED, ContractBrokenError, Trial, broken, case, now_s
+from truepose_drivers.contract.wire import HangUp, Piece, Silence
 from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
 
 _BACK_WITHIN_S: Final = 5.0
@@ -47,14 +47,9 @@ async def nothing_is_read_without_a_connection(trial: Trial) -> None:
 async def nobody_at_the_address_is_told(trial: Trial) -> None:
     """Where nobody answers, connect raises ConnectFailedError that says what to check."""
     trial.wiring.unreachable = True
-    try:
-        await trial.device.connect()
-    except ConnectFailedError as error:
-        if "check" not in str(error):
-            broken(f"the sentence does not say what to check: {error}")
-    else:
-        broken("connect returned, and nobody is there")
-    _require_closed(trial)
+    error = await _require_failing(trial, "nobody is there")
+    if "check" not in str(error):
+        broken(f"the sentence does not say what to check: {error}")
 
 
 @case(
@@ -65,14 +60,24 @@ async def connect_asks_who_is_there(trial: Trial) -> None:
     """An open port behind which nobody speaks the protocol is no connection."""
     trial.wiring.deaf = True
     began_s = now_s()
-    try:
-        await trial.device.connect()
-    except LinkError:
-        _require_closed(trial)
-    else:
-        broken("connect returned, and the device has said nothing")
+    await _require_failing(trial, "the device has said nothing")
     if now_s() - began_s > _BACK_WITHIN_S:
         broken(f"connect noticed the silence after {now_s() - began_s:.1f} s only")
+
+
+@case(
+    kinds=LINKED,
+    remedy="ask who is there within `introduction`, which makes the end of the connection a failed one",
+)
+async def a_device_that_hangs_up_at_once_was_not_connected(trial: Trial) -> None:
+    """A device that ends the connection before it has said who it is makes connect fail."""
+
+    def hangs_up(_: object) -> list[Piece]:
+        trial.wiring.spoil = hangs_up
+        return [HangUp()]
+
+    trial.wiring.spoil = hangs_up
+    await _require_failing(trial, "the device has hung up")
 
 
 @case(
@@ -199,6 +204,20 @@ async def it_is_back_within_five_seconds(trial: Trial) -> None:
         await asyncio.sleep(_RETRY_S)
         if now_s() - back_s > _BACK_WITHIN_S + trial.bench.measures_s:
             broken(f"the device is back, and was not read for {now_s() - back_s:.1f} s")
+
+
+async def _require_failing(trial: Trial, why: str) -> ConnectFailedError:
+    """Return the error of a connect that must fail, and has left nothing open."""
+    try:
+        await trial.device.connect()
+    except ConnectFailedError as error:
+        _require_closed(trial)
+        return error
+    except DriverError as other:
+        did = f"raised {other!r}, which is no ConnectFailedError"
+    else:
+        did = "returned"
+    raise ContractBrokenError(f"{why}, and connect {did}")
 
 
 def _require_closed(trial: Trial) -> None:
