@@ -23,11 +23,10 @@ _STANDING_RAD: Final = 1e-6
 class EgmReader(OnePortDevice):
     """The stream of one controller at a port of ours."""
 
-    def __init__(self, source: Source, clock: Clock, *, fresh_within_s: float = _FRESH_WITHIN_S) -> None:
+    def __init__(self, source: Source, clock: Clock) -> None:
         self._source = source
         super().__init__(self._source)
         self._clock = clock
-        self._fresh_within_s = fresh_within_s
         self._turns = Turns(source, harmless=(NotInitialisedError,))
         self._last: RobotFrame | None = None
 
@@ -50,7 +49,7 @@ class EgmReader(OnePortDevice):
             with contextlib.suppress(TimeoutError):
                 # Frames that are not newer may come for ever: the time-out of a single receive would never
                 # end that.
-                async with asyncio.timeout(self._fresh_within_s):
+                async with asyncio.timeout(_FRESH_WITHIN_S):
                     return await self._newer()
             raise NoReplyError(
                 f"nothing new arrives at {self._source.address}: check the network, the computer's address at"
@@ -59,7 +58,7 @@ class EgmReader(OnePortDevice):
 
     async def _newer(self) -> RobotFrame:
         while True:
-            data = await self._source.receive(self._fresh_within_s)
+            data = await self._source.receive(_FRESH_WITHIN_S)
             if data is None:
                 continue
             frame = decode_robot(data)
