@@ -87,8 +87,8 @@ def _reading(document: dict[str, object]) -> BridgeReading:
     signal = document.get("signal", "none" if shown is None else "good")
     if signal not in _SIGNALS:
         raise BridgeProtocolError(f"signal is {signal!r}; one of {', '.join(_SIGNALS)} was expected")
-    if shown is None and signal == "good":
-        raise BridgeProtocolError("signal is good and deviation_mm is null: a good signal has a value")
+    if shown is None and signal != "none":
+        raise BridgeProtocolError(f"signal is {signal} and deviation_mm is null: a signal has a value")
     temperature, sequence = document.get("temperature_c"), document.get("sequence")
     if sequence is not None and (isinstance(sequence, bool) or not isinstance(sequence, int)):
         raise BridgeProtocolError(f"sequence is {sequence!r}; a whole number was expected")

@@ -68,6 +68,7 @@ def test_without_a_signal_there_is_no_value(line):
         (b'{"deviation_mm": 123456}', "millimetres"),
         (b'{"deviation_mm": 0.1, "signal": "ok"}', "out_of_range"),
         (b'{"deviation_mm": null, "signal": "good"}', "has a value"),
+        (b'{"deviation_mm": null, "signal": "out_of_range"}', "signal is out_of_range and.*has a value"),
         (b'{"deviation_mm": 0.1, "sequence": 1.5}', "sequence"),
         (b'{"deviation_mm": 0.1, "temperature_c": "20"}', "temperature_c"),
         (b'{"model": 5}', "model"),
