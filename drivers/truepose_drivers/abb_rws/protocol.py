@@ -17,17 +17,18 @@ from typing import Final, TypeVar
 
 from truepose_drivers.abb_rws.http import HttpResponse, RwsProtocolError
 
-# Two digits of exponent stay finite; RAPID itself goes to 38.
 _NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 _DIGITS: Final = range(6, 10)  # nine tell every single float from its neighbours
+_LARGEST: Final = 3.4028235e38  # of a single float
 NO_AXIS: Final = 9e9  # of an external axis that is not there
 
 
 def number(text: object) -> float:
     """Read a number; raises RwsProtocolError."""
-    if not isinstance(text, str) or _NUMBER.fullmatch(text.strip()) is None:
+    value = float(text) if isinstance(text, str) and _NUMBER.fullmatch(text.strip()) else math.nan
+    if not abs(value) <= _LARGEST:  # a NaN is not
         raise RwsProtocolError(f"{str(text)[:40]!r} is no number of RAPID: connect again")
-    return float(text)
+    return value
 
 
 def numbers(text: object, count: int) -> tuple[float, ...]:

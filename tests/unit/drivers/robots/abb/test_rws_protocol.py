@@ -184,7 +184,7 @@ def test_what_is_no_json_is_refused(body):
         protocol.joint_angles_deg(HttpResponse(200, (), body))
 
 
-@pytest.mark.parametrize("angle", ["nan", "inf", "1_0", "9E9", "3600.5", "", 10.0, None, "1e999"])
+@pytest.mark.parametrize("angle", ["nan", "inf", "1_0", "9E9", "3600.5", "", 10.0, None, "1e999", "9" * 400])
 def test_an_angle_that_is_none_is_refused(angle):
     angles = {f"rax_{joint}": "0" for joint in range(1, 7)} | {"rax_4": angle}
 
@@ -241,6 +241,13 @@ def test_the_newest_event_is_told_whatever_the_order():
     assert protocol.last_event(json_response({"_embedded": {"_state": []}})) == ""
 
 
+def test_a_report_of_a_number_beyond_those_of_rapid_is_refused():
+    report = Report(Progress.ARRIVED, Order(number=7).values()).encode()
+
+    with pytest.raises(RwsProtocolError, match="no number"):
+        decode_report(report.replace("7", "7" * 400))
+
+
 def test_numbers_are_written_as_short_as_a_single_float_allows():
     assert array_text([1.0, -20.123456, 9e9, 1e-5, 0.1]) == "[1,-20.123455,9E+09,1E-05,0.1]"
 
@@ -252,7 +259,9 @@ def test_a_single_float_survives_its_text(value):
     assert single(numbers(f"[{text}]", 1)[0]) == value
 
 
-@pytest.mark.parametrize("value", ["", "[]", "[1,2", "1,2]", "[1;2]", "[1,2,3]", "[1,nan]", "[1,]", None, 7])
+@pytest.mark.parametrize(
+    "value", ["", "[]", "[1,2", "1,2]", "[1;2]", "[1,2,3]", "[1,nan]", "[1,]", None, 7, "[1,4E38]"]
+)
 def test_an_array_that_is_none_is_refused(value):
     with pytest.raises(RwsProtocolError):
         numbers(value, 2)
