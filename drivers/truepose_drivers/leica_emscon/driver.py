@@ -10,7 +10,7 @@ from truepose_drivers.errors import ConfigurationError, DeviceRefusedError, Remo
 from truepose_drivers.leica_emscon.conversation import Subject
 from truepose_drivers.leica_emscon.coordinate_settings import COMPENSATION, TELLING_CHANGES, Setting, mode
 from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
-from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts
+from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts, require_deviations
 from truepose_drivers.leica_emscon.protocol import DEFAULT_PORT, Command, PacketType, Record, Request
 from truepose_drivers.leica_emscon.protocol.equipment import TargetType, TrackerFace
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, StatisticMode
@@ -159,13 +159,10 @@ class LaserTracker(EmsconInstrument):
         """Raise RemoteProtocolError for a result of another mode, or one that is no point."""
         if values.integer("meas_mode") != MeasMode.STATIONARY or values.integer("is_try_mode"):
             raise RemoteProtocolError("the tracker measured in another mode than asked for: initialise it")
-        point, deviations = values.vector(), values.vector("std1", "std2", "std3")
+        point = values.vector()
         if not all(map(math.isfinite, point)):
             raise RemoteProtocolError(f"the tracker measured {point}: that is no point")
-        if any(deviation < 0.0 for deviation in (*deviations, values.number("std_total"))):
-            raise RemoteProtocolError(
-                f"the tracker states standard deviations of {deviations} mm: connect again"
-            )
+        require_deviations(values, "std1", "std2", "std3", "std_total")
 
     async def _place_of(self, values: Record) -> Vector:
         return values.vector()

@@ -251,6 +251,13 @@ class _AcceptedResult:
     place_mm: Vector | None  # of the reflector
 
 
+def require_deviations(values: Record, *names: str) -> None:
+    """See that members are standard deviations, or NaN where none is stated; raises RemoteProtocolError."""
+    stated = {name: values.number(name) for name in names}
+    if any(deviation < 0.0 or math.isinf(deviation) for deviation in stated.values()):
+        raise RemoteProtocolError(f"the tracker states standard deviations of {stated}: connect again")
+
+
 def _sensor_name(tracker_type: int) -> str:
     known = {int(member): member.name for member in LTSensorType}
     return known.get(tracker_type, f"emScon laser tracker of type {tracker_type}").replace("_", " ")

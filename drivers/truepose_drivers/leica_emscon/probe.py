@@ -19,7 +19,7 @@ from truepose_drivers.leica_emscon import protocol
 from truepose_drivers.leica_emscon.conversation import Subject
 from truepose_drivers.leica_emscon.coordinate_settings import COMPENSATION, Setting, mode
 from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
-from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts
+from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts, require_deviations
 from truepose_drivers.leica_emscon.protocol.equipment import MeasurementTipStatus, ProbeType
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, SystemParameter
 from truepose_drivers.monotonic_clock import MonotonicClock
@@ -28,6 +28,8 @@ from truepose_drivers.transports.tcp import tcp_link
 
 _ROUNDED: Final = 1e-3  # by so much a quaternion's length may differ from 1: more is damage, not rounding
 _ANGLES: Final = ("rotation_angle_x", "rotation_angle_y", "rotation_angle_z")
+_DEVIATIONS: Final = ("std_dev_position1", "std_dev_position2", "std_dev_position3")
+_TURN_DEVIATION: Final = "std_dev_rotation_angle_total"
 _POSITION: Final = ("position1", "position2", "position3")
 
 _UNFIT: Mapping[protocol.RotationStatus, DriverError] = {
@@ -62,6 +64,7 @@ def require_stationary_pose(values: protocol.Record) -> None:
     if not all(map(math.isfinite, (*position_mm, *values.vector(*_ANGLES)))):
         raise RemoteProtocolError(f"the tracker measured {position_mm}: that is no position")
     unit_quaternion(values)
+    require_deviations(values, *_DEVIATIONS, _TURN_DEVIATION)
 
 
 def unit_quaternion(values: protocol.Record) -> Quaternion:
@@ -150,11 +153,9 @@ class ProbeTracker(EmsconInstrument):
         values = await self._measured(duration_s)
         return PoseReading(
             quaternion=unit_quaternion(values),
-            position_mm=values.vector("position1", "position2", "position3"),
-            position_deviation_mm=values.vector(
-                "std_dev_position1", "std_dev_position2", "std_dev_position3"
-            ),
-            rotation_deviation_rad=values.number("std_dev_rotation_angle_total"),
+            position_mm=values.vector(*_POSITION),
+            position_deviation_mm=values.vector(*_DEVIATIONS),
+            rotation_deviation_rad=values.number(_TURN_DEVIATION),
             rms_mm=math.nan,  # emScon judges the fit of the lamps by itself, and states no figure
             frames=1,  # it averages inside and does not say over how many
             duration_s=duration_s,

@@ -417,7 +417,7 @@ def _text_tool(handle: str, said: str, status: str, frame: str) -> ToolFrame:
 def _checked(values: tuple[float, ...]) -> ToolPose:
     q0, qx, qy, qz, x, y, z, error = values
     length = math.hypot(q0, qx, qy, qz)
-    if not (abs(length - 1.0) <= _UNIT and all(map(math.isfinite, (x, y, z))) and error >= 0.0):
+    if not (abs(length - 1.0) <= _UNIT and all(map(math.isfinite, (x, y, z))) and 0.0 <= error < math.inf):
         raise NdiProtocolError(
             f"the camera states a quaternion of length {length:.4g} at {(x, y, z)} mm with error {error}:"
             " that is no pose"

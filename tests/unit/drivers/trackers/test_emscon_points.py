@@ -1,5 +1,7 @@
 """An emScon tracker's points, against a scripted server that lives in memory."""
 
+import math
+
 import pytest
 
 from tests.helpers.instruments.emscon_in_memory import (
@@ -265,15 +267,24 @@ async def test_an_error_that_arrived_before_the_measurement_is_not_taken_for_its
     assert points == [(1.0, 2.0, 3.0)] * 2
 
 
-async def test_a_point_that_is_no_number_is_refused():
+@pytest.mark.parametrize(
+    ("stated", "complaint"),
+    [
+        ({"val1": math.nan}, "no point"),
+        ({"std2": -1.0}, "standard deviations"),
+        ({"std2": math.inf}, "standard deviations"),
+        ({"std_total": math.inf}, "standard deviations"),
+    ],
+)
+async def test_a_point_that_is_none_is_refused(stated, complaint):
     fake = FakeTracker()
     fake.script[Command.START_MEASUREMENT] = lambda _: [
         answer(Command.START_MEASUREMENT),
-        single(val1=float("nan")),
+        single(**stated),
     ]
     tracker = await ready_tracker(fake)
 
-    with pytest.raises(RemoteProtocolError, match="no point"):
+    with pytest.raises(RemoteProtocolError, match=complaint):
         await tracker.measure_point(duration_s=1.0)
 
 

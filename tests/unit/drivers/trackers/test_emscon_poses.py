@@ -195,6 +195,8 @@ async def test_an_orientation_that_the_tracker_does_not_vouch_for_is_no_pose(sta
         {"quaternion0": 0.6},
         {"quaternion1": math.nan},
         {"position2": math.inf},
+        {"std_dev_position3": math.inf},
+        {"std_dev_rotation_angle_total": -1.0},
         {"meas_mode": 0},
         {"is_try_mode": True},
     ],

@@ -124,6 +124,22 @@ def test_frames_make_the_round_trip_within_what_each_form_writes(sent):
                 assert here.pose.error_mm == pytest.approx(there.pose.error_mm, abs=error_step)
 
 
+@pytest.mark.parametrize(
+    ("quaternion", "position_mm", "error_mm"),
+    [
+        ((0.5, 0.5, 0.5, 0.4), (0.0, 0.0, 0.0), 0.1),
+        ((1.0, 0.0, 0.0, math.nan), (0.0, 0.0, 0.0), 0.1),
+        ((1.0, 0.0, 0.0, 0.0), (0.0, math.inf, 0.0), 0.1),
+        *(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), error_mm) for error_mm in (-0.1, math.nan, math.inf)),
+    ],
+)
+def test_a_pose_that_is_none_is_refused(quaternion, position_mm, error_mm):
+    frame = encode_binary([ToolFrame(1, ToolPose(quaternion, position_mm, error_mm))])
+
+    with pytest.raises(NdiProtocolError, match="no pose"):
+        decode_binary(frame)
+
+
 @pytest.mark.parametrize("form", [encode_binary, encode_text])
 def test_a_tool_that_was_disabled_says_so(form):
     decode = decode_binary if form is encode_binary else decode_text
