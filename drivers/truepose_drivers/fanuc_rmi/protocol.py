@@ -102,6 +102,7 @@ CONNECT_PORT: Final = 16001  # where every session begins; it goes on at a port 
 JOINTS: Final = 6
 RESOLUTION_DEG: Final = 0.001  # of joint readings
 FASTEST_PERCENT: Final = 100
+ERROR_NAMES: Final = ("ErrorData", *(f"ErrorData{number}" for number in range(2, 6)))  # latest first
 _AXES: Final = tuple(f"J{number}" for number in range(1, 10))  # additional axes included
 _FURTHEST_DEG: Final = 3600.0  # no joint is wound up further
 _HIGHEST_PORT: Final = 65_535
@@ -258,13 +259,13 @@ def encode_motion(motion: JointMotion) -> Packet:
 
 def error_texts(answer: Packet) -> list[str]:
     """Return what the controller shows of its last errors."""
-    texts = [value for key, value in answer.fields.items() if key.startswith("ErrorData")]
+    texts = [answer.fields.get(name) for name in ERROR_NAMES]
     return [text for text in texts if isinstance(text, str) and text not in {"", "No Error"}]
 
 
 def _angles(stated: Packet) -> tuple[float, ...]:
     angles = tuple(stated.number(axis) for axis in _AXES if axis in stated.fields)
-    if len(angles) < JOINTS or list(stated.fields) != list(_AXES[: len(angles)]):
+    if len(angles) < JOINTS or stated.fields.keys() != set(_AXES[: len(angles)]):
         raise RmiProtocolError(f"the robot states {dict(stated.fields)}; six joints or more were expected")
     if not all(abs(angle) <= _FURTHEST_DEG for angle in angles):
         raise RmiProtocolError(f"the robot states {angles} deg, which is out of any robot's range")

@@ -165,9 +165,10 @@ class Controller:
 
     def _errors(self, asked: Packet) -> Fields:
         count = asked.whole("Count") if "Count" in asked.fields else 1
+        if not 1 <= count <= len(protocol.ERROR_NAMES):
+            raise RefusedError(protocol.BAD_VALUE)
         shown = self.shown_errors[-count:] or ["No Error"]
-        names = ("ErrorData", *(f"ErrorData{number}" for number in range(2, 6)))
-        return {"Count": len(shown), **dict(zip(names, reversed(shown), strict=False))}
+        return {"Count": len(shown), **dict(zip(protocol.ERROR_NAMES, reversed(shown), strict=False))}
 
     def _tagged(self) -> Fields:
         # Tags are of the controller's own time, which runs on where cell time stands still.

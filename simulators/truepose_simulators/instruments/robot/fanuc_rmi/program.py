@@ -145,7 +145,7 @@ class RmiMove:
                 target = self._joints_target(instruction)
                 await self._go_straight([*nominal_flange(self._cell.plant.arm, target[None])], instruction)
             case "FRC_WaitTime":
-                await self._cell.clock.sleep(instruction.number("Time"))
+                await self._wait(instruction.number("Time"))
             case "FRC_SetUFrame":
                 self._controller.select(
                     replace(instruction, fields={"UFrameNumber": instruction.whole("FrameNumber")})
@@ -158,6 +158,11 @@ class RmiMove:
                 pass
             case _:
                 raise RefusedError(protocol.UNKNOWN_INSTRUCTION)
+
+    async def _wait(self, duration_s: float) -> None:
+        if duration_s < 0.0:
+            raise RefusedError(protocol.BAD_VALUE)
+        await self._cell.clock.sleep(duration_s)
 
     def _joints_target(self, instruction: Packet) -> FloatArray:
         stated = instruction.part("JointAngle")

@@ -268,6 +268,7 @@ async def test_a_paused_program_can_be_aborted_and_begun_anew(controller, progra
             protocol.BAD_VALUE,
         ),
         ("FRC_Pause", {}, protocol.NOT_RUNNING),
+        *(("FRC_ReadError", {"Count": count}, protocol.BAD_VALUE) for count in (0, -1, 6)),
         ("FRC_MakeCoffee", {}, protocol.UNKNOWN_COMMAND),
     ],
 )
@@ -287,6 +288,7 @@ def test_what_cannot_be_done_is_refused_by_number(controller, name, fields, erro
         (straight(HOME | {"X": 3000.0}), protocol.BAD_DESTINATION),
         (joints(ZEROS, TermType="CNT", TermValue=101), protocol.BAD_TERM_VALUE),
         (("FRC_SplineMotion", {}), protocol.UNKNOWN_INSTRUCTION),
+        (("FRC_WaitTime", {"Time": -1.0}), protocol.BAD_VALUE),
     ],
 )
 async def test_a_motion_that_cannot_be_is_refused_and_moves_nothing(
