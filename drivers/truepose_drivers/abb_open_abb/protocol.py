@@ -27,6 +27,7 @@ LONGEST_MESSAGE_CHARS = 80
 MOST_PARAMETERS = 10
 OUR_SERVER = "truepose 3"  # fourth field of the identity of our own server, which the stock one has not
 MOST_DECIMALS = 5  # of a number, which our own server gives
+_LONGEST_RECORD = 200  # of the logger; one of a pose has some 120 characters
 REPLY_RESOLUTION_DEG = 0.01  # joint angles leave the controller with two decimals
 _FULL_TURN_DEG = 360.0
 _FURTHEST_DEG = 10 * _FULL_TURN_DEG  # no joint is wound up further
@@ -265,6 +266,8 @@ class LogReader(StreamReader):
         """Take the oldest record whose end is known; raises OpenAbbProtocolError when it is none."""
         start = self._buffer.find(b"#")
         end = self._buffer.find(b"#", start + 1)
+        if (end if end >= 0 else len(self._buffer)) > _LONGEST_RECORD:
+            raise OpenAbbProtocolError(f"{bytes(self._buffer[:80])!r} is no record of the logger")
         if start < 0 or end < 0:
             return None
         record = self._buffer[start + 1 : end].decode("ascii", errors="replace")

@@ -168,6 +168,8 @@ class RequestReader(StreamReader):
         """Take the oldest whole line, cut to what a KAREL string holds; None until more arrives."""
         end = self._buffer.find(b"\n")
         if end < 0:
+            # More than that is lost on the controller too; kept, a line without end would fill the memory.
+            del self._buffer[LONGEST_MESSAGE_CHARS:]
             return None
         line = self._take(end, drop=1).decode("ascii", errors="replace")
         return line.rstrip("\r")[:LONGEST_MESSAGE_CHARS]
@@ -222,11 +224,13 @@ def reply_extent(data: bytes, expected: Expected) -> ReplyExtent:
     What can never become the reply that is expected counts as whole, so that it is refused at once.
     """
     text = data.decode("ascii", errors="replace").rstrip("\r\n")
+    if len(data) > LONGEST_MESSAGE_CHARS + len("\r\n"):
+        return "whole"
     if text in {"", "0", "1"}:
         return "part"
     if text[:2] == "1:":
         return _extent_of_error(text[2:])
-    if text[:2] != "0:" or len(text) > LONGEST_MESSAGE_CHARS:
+    if text[:2] != "0:":
         return "whole"
     match expected:
         case "success":

@@ -204,6 +204,14 @@ def test_the_logger_stream_survives_any_split(chunk):
     assert found == [pose, joints]  # the last record may still grow: nothing ends it
 
 
+def test_a_logger_that_begins_no_record_is_refused():
+    reader = LogReader()
+    reader.receive_data(b"1 " * 1000)
+
+    with pytest.raises(OpenAbbProtocolError, match="no record"):
+        reader.next_line()
+
+
 def test_a_broken_record_is_refused_and_the_next_is_read():
     good = LogLine(1, "d", "t", 1.0, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
     reader = LogReader()

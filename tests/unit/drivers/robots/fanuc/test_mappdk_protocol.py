@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truepose_drivers.fanuc_mappdk.protocol import (
+    LONGEST_MESSAGE_CHARS,
     Command,
     MappdkProtocolError,
     Motion,
@@ -145,6 +146,18 @@ def test_any_bytes_are_lines(data):
                 encode_reply(Reply(1, str(error)))
 
 
+def test_a_line_without_end_is_cut_and_not_collected():
+    reader = RequestReader()
+    for _ in range(100):
+        reader.receive_data(b"movej" * 100)
+        assert reader.next_message() is None
+
+    assert len(reader._buffer) <= LONGEST_MESSAGE_CHARS
+    reader.receive_data(b"\ncurjpos\n")
+    assert reader.next_message() == ("movej" * 51)[:LONGEST_MESSAGE_CHARS]
+    assert reader.next_message() == "curjpos"
+
+
 @given(data=st.binary(max_size=300), expected=st.sampled_from(["success", "joints", "identity"]))
 def test_any_bytes_are_a_reply_or_refused(data, expected):
     reply_extent(data, expected)
@@ -190,6 +203,8 @@ def test_joints_are_whole_at_their_end_and_never_before(angles, decimals):
         (JOINTS + b",j=none", "joints", "whole"),
         (JOINTS[:-4] + b"1.000", "joints", "maybe whole"),
         (b"0:truepose" + b"x" * 300, "identity", "whole"),
+        (b"1:" + b"x" * 300, "success", "whole"),
+        (b"\r\n" * 200, "success", "whole"),
     ],
 )
 def test_the_extent_of_a_reply_is_told_from_its_form(data, expected, extent):
