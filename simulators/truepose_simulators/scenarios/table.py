@@ -2,9 +2,9 @@
 
 import dataclasses
 import errno
-import math
 import os
 import stat
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from types import UnionType
@@ -12,6 +12,7 @@ from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
 from truepose_simulators.errors import ScenarioError
 
+_SHOWN_DIGITS: Final = 40  # of a number that is refused
 _GREATEST_BYTES: Final = 128 * 2**20
 # Not to wait for the other end of what became a pipe since it was looked at; Windows has no such thing.
 _AT_ONCE: Final = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
@@ -103,8 +104,9 @@ def _convert_tuple(hints: tuple[Any, ...], value: object, where: str) -> tuple[A
 def _number(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ScenarioError(f"{where} must be a number, not {_kind(value)}")
-    if not math.isfinite(value):
-        raise ScenarioError(f"{where} must be a finite number, not {value}")
+    # Compared, since a whole number beyond a double's range cannot even be asked whether it is finite.
+    if not -sys.float_info.max <= value <= sys.float_info.max:
+        raise ScenarioError(f"{where} must be a finite number, not {str(value)[:_SHOWN_DIGITS]}")
     return float(value)
 
 
