@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
-from urllib.parse import parse_qsl, urlencode, urlsplit
+from urllib.parse import SplitResult, parse_qsl, urlencode, urlsplit
 
 import h11
 
@@ -118,13 +118,20 @@ class HttpRequest:
 
     @property
     def path(self) -> str:
-        """The target without its query."""
-        return urlsplit(self.target).path
+        """The target without its query; raises RwsProtocolError."""
+        return self._split.path
 
     @property
     def query(self) -> dict[str, str]:
-        """Parameters of the target."""
-        return dict(parse_qsl(urlsplit(self.target).query, keep_blank_values=True))
+        """Parameters of the target; raises RwsProtocolError."""
+        return dict(parse_qsl(self._split.query, keep_blank_values=True))
+
+    @property
+    def _split(self) -> SplitResult:
+        try:
+            return urlsplit(self.target)
+        except ValueError as error:  # of what looks like an address in brackets
+            raise RwsProtocolError(f"{self.target[:40]!r} is no target: {error}") from error
 
     @property
     def form(self) -> dict[str, str]:

@@ -72,6 +72,12 @@ def test_requests_of_the_public_client_are_read_and_end_where_they_end(row, chun
     assert not reader.inside_message
 
 
+@pytest.mark.parametrize("part", ["path", "query"])
+def test_a_target_in_brackets_without_an_end_is_refused(part):
+    with pytest.raises(RwsProtocolError, match="no target"):
+        getattr(HttpRequest("GET", "//[1"), part)
+
+
 @pytest.mark.parametrize("row", LOGGED_IN)
 def test_the_public_client_is_let_in_with_its_password_and_with_no_other(row):
     request = one(RequestReader(), row["text"].encode())
