@@ -50,6 +50,8 @@ def test_toml_that_python_gives_up_on_is_refused_in_one_sentence(tmp_path, text)
 def test_a_number_without_an_end_is_refused_with_its_key(tmp_path, number):
     (tmp_path / "it.toml").write_text(f'robot = "irb120"\n[tool]\nmass_kg = {number}\n')
 
-    with pytest.raises(ScenarioError, match=r'it.toml: \[tool\]: key "mass_kg" must be a finite number') as told:
+    with pytest.raises(
+        ScenarioError, match=r'it.toml: \[tool\]: key "mass_kg" must be a finite number'
+    ) as told:
         load_scenario(str(tmp_path / "it.toml"))
     assert len(str(told.value)) < 120

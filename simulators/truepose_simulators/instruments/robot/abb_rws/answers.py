@@ -175,7 +175,7 @@ POLL: Final = "/poll/"
 _SUB_PROTOCOL: Final = "robapi2_subscription"
 _GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _LOOK_S: Final = 0.05  # wall time: who listens knows no other
-_TEXT_FRAME, _SHORT, _LENGTH_16 = 0x81, 125, 126
+_TEXT_FRAME, _SHORT, _LENGTH_16, _LENGTH_64 = 0x81, 125, 126, 127
 _CHUNK_BYTES: Final = 4096
 
 # Of a subscribed path: class of its events, and of the value in them.
@@ -203,15 +203,16 @@ class Subscriptions:
 
     def __init__(self, answers: Answers) -> None:
         self._answers = answers
-        self._resources: list[list[str]] = []
+        self._resources: dict[str, list[str]] = {}  # by the path at which they are told
 
     def add(self, request: HttpRequest) -> HttpResponse:
         """Note what a client wants to be told; raises NotFoundError, RwsProtocolError."""
         wanted = [value for name, value in request.form.items() if name.isdigit()]
         for resource in wanted:
             self._value(resource)
-        self._resources.append(wanted)
-        at = f"ws://{request.headers['host']}{POLL}{len(self._resources)}"
+        path = f"{POLL}{len(self._resources) + 1}"
+        self._resources[path] = wanted
+        at = f"ws://{request.headers.get('host', 'localhost')}{path}"  # HTTP 1.0 names none
         headers = (("location", at), ("content-type", "application/xhtml+xml"))
         return HttpResponse(201, headers, f'<a href="{at}" rel="self"></a>'.encode())
 
@@ -220,6 +221,8 @@ class Subscriptions:
         key = request.headers.get("sec-websocket-key")
         if key is None:
             raise NotFoundError("this is a place for WebSockets")
+        if request.path not in self._resources:
+            raise NotFoundError(f"nothing was subscribed at {request.path}")
         digest = hashlib.sha1((key + _GUID).encode(), usedforsecurity=False).digest()
         headers = {
             "upgrade": "websocket",
@@ -231,8 +234,7 @@ class Subscriptions:
 
     async def tell(self, path: str, reader: asyncio.StreamReader, writer: Writer) -> None:
         """Tell every change of what was subscribed until the client says or does that it goes."""
-        number = path.removeprefix(POLL)
-        wanted = self._resources[int(number) - 1] if number.isdigit() else []
+        wanted = self._resources[path]
         told = {resource: self._value(resource) for resource in wanted}
         leaving = asyncio.ensure_future(reader.read(_CHUNK_BYTES))
         try:
@@ -250,8 +252,8 @@ class Subscriptions:
 
     def _value(self, resource: str) -> str:
         path = resource.partition(";")[0]
-        states = self._answers.told(path)
-        return str(states[0].get(_classes(path)[1], ""))
+        name = _classes(path)[1]
+        return str(self._answers.told(path)[0].get(name, ""))
 
 
 def switching(response: HttpResponse) -> bytes:
@@ -265,7 +267,9 @@ def text_frame(text: str) -> bytes:
     data = text.encode()
     if len(data) <= _SHORT:
         return bytes([_TEXT_FRAME, len(data)]) + data
-    return bytes([_TEXT_FRAME, _LENGTH_16]) + len(data).to_bytes(2, "big") + data
+    if len(data) < 1 << 16:
+        return bytes([_TEXT_FRAME, _LENGTH_16]) + len(data).to_bytes(2, "big") + data
+    return bytes([_TEXT_FRAME, _LENGTH_64]) + len(data).to_bytes(8, "big") + data
 
 
 def _event(resource: str, value: str) -> str:

@@ -311,7 +311,10 @@ class PublicProgram(_Motions):
 
     async def _carry_out(self) -> None:
         robot_axes = self.variables["tgt"].removeprefix("[").partition("]")[0] + "]"
-        target_deg = np.array(protocol.numbers(robot_axes, _JOINTS))
+        try:
+            target_deg = np.array(protocol.numbers(robot_axes, _JOINTS))
+        except RwsProtocolError:
+            return  # a value that RAPID does not take stands in no variable
         if await self._move(target_deg, self._controller.limits(*_V100), _Beats(self._controller), 0.0):
             self.variables["go"] = "0"
 

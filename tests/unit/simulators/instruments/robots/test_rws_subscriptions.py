@@ -67,19 +67,20 @@ def test_the_handshake_is_that_of_the_standard(controller):
     # RFC 6455, section 1.3
     request = HttpRequest("GET", "/poll/1", {"sec-websocket-key": "dGhlIHNhbXBsZSBub25jZQ=="})
 
-    head = switching(Subscriptions(Answers(controller)).handshake(request)).decode()
+    head = switching(subscribed(controller, PANEL).handshake(request)).decode()
 
     assert head.startswith("HTTP/1.1 101 Switching Protocols\r\nupgrade: websocket\r\n")
     assert "sec-websocket-accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n" in head
     assert head.endswith("sec-websocket-protocol: robapi2_subscription\r\n\r\n")
     with pytest.raises(NotFoundError, match="WebSockets"):
-        Subscriptions(Answers(controller)).handshake(HttpRequest("GET", "/poll/1"))
+        subscribed(controller, PANEL).handshake(HttpRequest("GET", "/poll/1"))
 
 
 def test_texts_are_framed_as_in_the_standard():
     # RFC 6455, section 5.7
     assert text_frame("Hello") == bytes.fromhex("810548656c6c6f")
     assert text_frame("a" * 300)[:4] == bytes.fromhex("817e012c")
+    assert text_frame("a" * 70_000)[:10] == bytes.fromhex("817f0000000000011170")
 
 
 async def test_a_change_is_told_once_as_the_public_client_looks_for_it(controller):
@@ -110,10 +111,40 @@ async def test_where_nothing_changes_nothing_is_told(controller):
     assert await heard(subscribed(controller, PANEL, TARGET), lambda: None) == b""
     other = subscribed(controller, PANEL)
     assert await heard(other, lambda: controller.write("go", "1")) == b""
-    assert await heard(other, lambda: controller.switch(ControllerState.MOTORS_OFF), "/poll/x") == b""
 
 
-@pytest.mark.parametrize("resource", ["/rw/nothing", "/rw/rapid/symbol/data/RAPID/T_ROB1/none;value"])
+@pytest.mark.parametrize("path", ["/poll/2", "/poll/0", "/poll/-1", "/poll/x", "/poll/\xb2", "/poll/"])
+def test_nobody_listens_to_what_was_not_subscribed(controller, path):
+    subscriptions = subscribed(controller, PANEL)
+
+    with pytest.raises(NotFoundError, match="subscribed"):
+        subscriptions.handshake(HttpRequest("GET", path, {"sec-websocket-key": "x"}))
+
+
+def test_a_client_that_names_no_host_subscribes_all_the_same(controller):
+    request = HttpRequest("POST", "/subscription", {}, form_body({"1": PANEL}))
+
+    answer = Subscriptions(Answers(controller)).add(request)
+
+    assert dict(answer.headers)["location"] == "ws://localhost/poll/1"
+
+
+async def test_a_target_that_is_none_moves_nothing(controller):
+    controller.write("tgt", "[[nowhere]]")
+    controller.write("go", "1")
+    await asyncio.sleep(0.1)
+
+    assert controller.task._motion.exception() is None
+    assert not controller.cell.robot_moves
+    controller.write("tgt", "[[1,2,3,4,5,6],[0,0,0,0,0,0]]")
+    controller.write("go", "1")
+    await asyncio.sleep(0.1)
+    assert controller.task.variables["go"] == "0"
+
+
+@pytest.mark.parametrize(
+    "resource", ["/rw/nothing", "/rw/rapid/symbol/data/RAPID/T_ROB1/none;value", "/rw/elog/0/", "/logout"]
+)
 def test_what_is_not_there_cannot_be_subscribed_to(controller, resource):
     with pytest.raises(NotFoundError):
         subscribed(controller, resource)
