@@ -15,7 +15,7 @@ from typing import Final
 
 from truepose.domain.people import MACHINE, OF_PROGRAMS, Person, Role, lesser, reaches
 from truepose.messages.message import message
-from truepose.people.act_log import ActLog
+from truepose.people.act_log import PATIENCE_S, ActLog
 from truepose.people.attempts import Attempts, Guesses
 from truepose.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.people.leases import Leases
@@ -283,7 +283,9 @@ async def open_people(
         yield PeopleService(accounts, Leases(elapsed_s), acts, log, Guesses(elapsed_s))
     finally:
         log.end()
-        await following
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(PATIENCE_S):
+                await following
 
 
 def _warn_of_pins(accounts: Accounts) -> None:

@@ -5,19 +5,24 @@ are written once it takes records again.
 """
 
 import asyncio
+import contextlib
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable
 from itertools import islice
 from typing import Final
 
-from truepose.domain.errors import RecordRefusedError
+from truepose.domain.errors import RecordRefusedError, text_of
+from truepose.messages.message import Text, message
+from truepose.people.errors import ActsUnwrittenError
 from truepose.storage.errors import ConflictError
 from truepose.storage.people import ActRepository, PersonsAct
 
 _LOG: Final = logging.getLogger(__name__)
 _WAITING: Final = 10_000  # beyond, new ones are counted only: memory is not for a flood
 _TOGETHER: Final = 200
+_SLOW: Final = message("people.slow_disk")
+PATIENCE_S: Final = 2.0  # of whoever reads what is on record, and of the end of the service
 
 
 class ActLog:
@@ -28,7 +33,8 @@ class ActLog:
         self._writable = writable
         self._waiting: deque[PersonsAct] = deque()
         self._lost = 0
-        self._closing = False
+        self._refused: Text | None = None  # why the disk takes none at present
+        self._ending = asyncio.Event()
         self._noted = asyncio.Event()
         self._written = asyncio.Event()
         self._written.set()
@@ -43,25 +49,48 @@ class ActLog:
         self._noted.set()
 
     async def written(self) -> None:
-        """Return once everything that was noted is on disk: while the disk refuses, not at all."""
-        await self._written.wait()
+        """Return once everything that was noted is on disk.
+
+        Raises
+        ------
+        ActsUnwrittenError
+            The disk refuses, or takes longer than a reader waits.
+        """
+        if self._refused is None:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(PATIENCE_S):
+                    await self._written.wait()
+        if not self._written.is_set():
+            raise ActsUnwrittenError(self._refused or _SLOW)
 
     def end(self) -> None:
-        """Have `follow` write what is left, and return."""
-        self._closing = True
+        """Have `follow` write what is left, as far as the disk takes it, and return."""
+        self._ending.set()
         self._noted.set()
 
     async def follow(self) -> None:
         """Write what is noted, until the end is asked for; one task of the service calls it."""
-        while not self._closing:
-            await self._noted.wait()
-            try:
-                await self._write()
-            except RecordRefusedError:
-                if not self._closing:
-                    await self._writable()
-        if self._waiting or self._lost:
-            _LOG.error("%d acts could not be put on record", len(self._waiting) + self._lost)
+        try:
+            while not self._ending.is_set():
+                await self._noted.wait()
+                try:
+                    await self._write()
+                except RecordRefusedError as error:
+                    await self._wait_for_disk(text_of(error))
+        finally:
+            if self._waiting or self._lost:
+                _LOG.error("%d acts could not be put on record", len(self._waiting) + self._lost)
+
+    async def _wait_for_disk(self, why: Text) -> None:
+        """Return once the disk may take records again, or the end is asked for: a full one delays no end."""
+        self._refused = why
+        waits = [asyncio.ensure_future(wait) for wait in (self._writable(), self._ending.wait())]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._refused = None
+            for wait in waits:
+                wait.cancel()
 
     async def _write(self) -> None:
         while self._waiting:

@@ -7,11 +7,12 @@ PeopleError
 ├── NotAllowedError          the role of whoever asks is too low for it
 ├── SomebodyElseActsError    another person or tablet has the authority over a session
 ├── UnknownPersonError       nobody of that name is entered
-└── AccountRefusedError      what is wished for an account cannot be
+├── AccountRefusedError      what is wished for an account cannot be
+└── ActsUnwrittenError       the newest acts are not on disk yet; also a RecordRefusedError
 """
 
-from truepose.domain.errors import TrueposeError
-from truepose.messages.message import message
+from truepose.domain.errors import RecordRefusedError, TrueposeError
+from truepose.messages.message import Text, message
 
 
 class PeopleError(TrueposeError):
@@ -51,3 +52,10 @@ class UnknownPersonError(PeopleError):
 
 class AccountRefusedError(PeopleError):
     """What is wished for an account cannot be."""
+
+
+class ActsUnwrittenError(PeopleError, RecordRefusedError):
+    """The newest acts are not on disk yet, so that nobody can be shown all of them."""
+
+    def __init__(self, why: Text) -> None:
+        super().__init__(message("people.acts_unwritten", why=why))

@@ -1,10 +1,12 @@
 """Who acts: under their own name, having shown who they are, one at a time, and on record."""
 
+import asyncio
 import json
 import logging
 
 import pytest
 
+from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of, command, until
 from tests.helpers.web.routes import asked
 from tests.integration.web.bench import session_request
@@ -14,6 +16,8 @@ from truepose.messages.catalogue import IN_ENGLISH
 from truepose.messages.message import leading_key
 from truepose.people.accounts import Preferences
 from truepose.people.leases import LEASE_S
+from truepose.storage import database
+from truepose.storage.errors import StorageUnavailableError
 from truepose.web.middleware.authorization import AuthorizationMiddleware
 from truepose.web.middleware.routing import operations_of
 from truepose.web.pages.session_history import acts_of_session
@@ -205,6 +209,22 @@ async def test_acts_are_searched_and_sent_as_lines(house, started):
 
     assert (found["total"], found["acts"][0]["person"]) == (1, "Alan Turing")
     assert [json.loads(line)["id"] for line in lines] == list(range(1, len(lines) + 1))
+
+
+async def test_a_full_disk_is_told_to_who_reads_acts_and_holds_up_no_command(
+    house, alan, app, started, monkeypatch
+):
+    monkeypatch.setattr(database, "_TRIAL_S", HANGS_S)
+    app.state.context.database._try_again_after(StorageUnavailableError("The disk is full."))
+    path, _ = started
+    async with house.of(Role.METROLOGIST) as script:
+        await script.delete("/api/v1/tokens/999")  # an act that waits for the disk
+        readers = [script.get(page) for page in ("/audit", "/api/v1/audit") for _ in range(10)]
+        halted, *told = await asyncio.gather(command(alan, path, "pause", person=None), *readers)
+
+    assert halted.status_code == 409, halted.text  # it waits for a person, and nothing moves
+    assert {reply.status_code for reply in told} == {503}
+    assert "not on disk yet (The disk is full)" in told[-1].json()["detail"]
 
 
 async def test_no_secret_is_in_a_log_an_act_or_an_answer(house, app, caplog, started):
