@@ -3,6 +3,7 @@
 A program that names no language is answered in English and in the units that are kept.
 """
 
+import re
 from collections.abc import Iterable
 from contextvars import ContextVar
 from functools import cached_property
@@ -16,6 +17,10 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from truepose.messages.catalogue import ENGLISH, IN_ENGLISH, LANGUAGES, Catalogue, catalogue
 from truepose.messages.message import Text
 from truepose.messages.units import Units
+
+
+# RFC 9110, 12.4.2: what Python reads as a number beside that (nan, 1e9, 1_0) is none here.
+_WEIGHT: Final = re.compile(r"q=(0(?:\.[0-9]{0,3})?|1(?:\.0{0,3})?)", re.ASCII | re.IGNORECASE)
 
 
 def wanted_words(request: Request) -> Catalogue:
@@ -54,12 +59,9 @@ def preferred_languages(accepted: str) -> list[str]:
 
 def _weighed(part: str) -> tuple[float, str]:
     """Return the weight and the primary tag of e.g. `fr-CH;q=0.8`; what cannot be read weighs nothing."""
-    tag, _, quality = part.partition(";")
-    try:
-        weight = float(quality.strip().removeprefix("q=")) if quality else 1.0
-    except ValueError:
-        weight = 0.0
-    return weight, tag.strip().partition("-")[0].lower()
+    tag, _, quality = (piece.strip() for piece in part.partition(";"))
+    found = _WEIGHT.fullmatch(quality or "q=1")
+    return float(found[1]) if found else 0.0, tag.partition("-")[0].lower()
 
 
 class _Reader:
