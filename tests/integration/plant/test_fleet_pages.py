@@ -63,6 +63,22 @@ async def test_too_few_robots_are_told_what_is_missing(service):
     assert "which are not compared: 1." in shown
 
 
+async def test_a_day_that_has_not_come_is_not_compared(service):
+    await lay(
+        service,
+        *(
+            result(2 * n + k, f"A-{n}", day)
+            for n in (1, 2)
+            for k, day in enumerate(("2026-03-01", "2126-03-01"))
+        ),
+    )
+
+    shown = await page(service, "/fleet")
+
+    assert "and 0 of them on two days or more." in shown
+    assert "which are not compared: 2." in shown
+
+
 async def collect(service, campaigns, first=1):
     for number, (serial, day, recorded) in enumerate(campaigns, start=first):
         content = json.dumps(to_typed_json({"campaign": pack(recorded.campaign)}))

@@ -4,7 +4,7 @@ import hashlib
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from truepose.analysis.errors import ClusterError
 from truepose.domain.errors import TrueposeError
+from truepose.plant.calibration_due import latest_day
 from truepose.storage.plant.queries import ResultRecord
 from truepose.web.pages.rendering import Visit, Visited, Whole, render_part
 from truepose.web.plant.context import PlantContext, PlantHere
@@ -30,7 +31,7 @@ class TypeMeasured:
     """What the campaigns of a type are enough for."""
 
     name: str
-    usable: tuple[ResultRecord, ...]  # of which robot, instrument and day are known; by day
+    usable: tuple[ResultRecord, ...]  # of which robot, instrument and a day that has come are known; by day
     unusable: int
     robots: int
     repeated: int  # robots that were measured on two days at least
@@ -72,7 +73,7 @@ async def fleet_page(
     visit: Visited, here: PlantHere, of_type: OfType = None, limit: LimitMm = LIMIT_MM, whole: Whole = False
 ) -> HTMLResponse:
     """Compare the robots of a type from all that was collected, or say what is missing."""
-    types = _types(await here.fleets.campaigns())
+    types = _types(await here.fleets.campaigns(), latest_day(datetime.now(UTC).date()))
     chosen = next((one for one in types if one.name == of_type), types[0] if types else None)
     shown = FleetContent()
     if chosen is not None and chosen.is_enough:
@@ -110,19 +111,22 @@ async def _compared(
     return replace(shown, content=part, is_drawn=part is not None)
 
 
-def _types(campaigns: Sequence[ResultRecord]) -> list[TypeMeasured]:
-    """Return the types of robots, that with the most campaigns first."""
+def _types(campaigns: Sequence[ResultRecord], last: date) -> list[TypeMeasured]:
+    """Return the types of robots as campaigns up to a day measured them, that with the most first."""
     by_type: defaultdict[str, list[ResultRecord]] = defaultdict(list)
     for campaign in campaigns:
         by_type[campaign.robot].append(campaign)
-    return sorted((_measured(*one) for one in by_type.items()), key=lambda one: -len(one.usable))
+    return sorted((_measured(*one, last) for one in by_type.items()), key=lambda one: -len(one.usable))
 
 
-def _measured(name: str, campaigns: Sequence[ResultRecord]) -> TypeMeasured:
+def _measured(name: str, campaigns: Sequence[ResultRecord], last: date) -> TypeMeasured:
+    # A day that has not come yet is a wrong clock's; it would stand for a change of the robot since.
     known = [
         one
         for one in campaigns
-        if one.robot_serial_number and one.instrument_serial_number and one.measured_on
+        if one.robot_serial_number
+        and one.instrument_serial_number
+        and "" < one.measured_on <= last.isoformat()
     ]
     latest = tuple(sorted(known, key=lambda one: (one.measured_on, one.id))[-_MOST:])
     days = Counter(robot for robot, _ in {(one.robot_serial_number, one.measured_on) for one in latest})
