@@ -59,9 +59,9 @@ class Simulation:
         try:
             async with asyncio.timeout(_ANSWER_S):
                 reader, writer = await asyncio.open_connection(at.host, at.port)
-                writer.write(json.dumps(dict(request)).encode() + b"\n")
-                answer: dict[str, Any] = json.loads(await reader.readline())
-                writer.close()
+                with contextlib.closing(writer):
+                    writer.write(json.dumps(dict(request)).encode() + b"\n")
+                    answer: dict[str, Any] = json.loads(await reader.readline())
         except (OSError, TimeoutError, ValueError) as error:
             raise ConnectionLostError("The simulated cell does not answer; see the start page.") from error
         return answer

@@ -1,12 +1,18 @@
 """The instruments of a simulated cell as devices of the service."""
 
+import asyncio
 from pathlib import Path
 
+import pytest
+
 from tests.contract.benches import registry
+from tests.helpers.machine import HANGS_S
+from truepose.app import simulation
 from truepose.app.composition import _with_simulated_devices
 from truepose.app.simulation import Simulation
 from truepose.exchange.cells.file import simulated_cell
 from truepose.web.context import Endpoint
+from truepose_drivers.errors import ConnectionLostError
 
 TOOL_FILE = Path("artefact.rom")
 
@@ -67,3 +73,23 @@ def test_an_abb_without_sockets_is_driven_over_its_web_services():
     found = devices_of(("robot", "rws", 2))
 
     assert found == {"robot": ("abb_rws", {"host": "127.0.0.1", "port": 2})}
+
+
+async def test_a_question_that_is_not_answered_leaves_no_connection_behind(monkeypatch):
+    monkeypatch.setattr(simulation, "_ANSWER_S", 0.01)
+    ended = asyncio.Event()
+
+    async def listen(reader, writer):
+        while await reader.read(100):  # never answers
+            pass
+        ended.set()
+        writer.close()
+
+    async with await asyncio.start_server(listen, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        cell = Simulation(None, (Endpoint("faults", "faults", "127.0.0.1", port),), TOOL_FILE)
+        with pytest.raises(ConnectionLostError):
+            await cell.ask_of_faults({"ask": "kinds"})
+
+        await asyncio.wait_for(ended.wait(), HANGS_S)
+    assert ended.is_set()
