@@ -25,7 +25,7 @@ from starlette.types import Receive, Scope, Send
 
 from truepose.storage.queries import Part
 from truepose.storage.records import Page, RequestKey
-from truepose.web.middleware.rights import signed_in_name
+from truepose.web.middleware.rights import current_request, signed_in_name
 from truepose.web.problems import MEDIA_TYPE, UNKNOWN_PARAMETER
 from truepose.web.schemas import KEY, NUMBER_LIMIT
 
@@ -211,7 +211,9 @@ def number_of(text: str) -> int | None:
 
 def request_key(request: Request, key: str, body: bytes) -> RequestKey:
     """Return the key with the fingerprint of the request it came with."""
-    said = b"\n".join((request.method.encode(), request.url.path.encode(), body))
+    target = f"{request.url.path}?{request.url.query}"
+    who = current_request().caller.name  # the same key of somebody else is no repetition
+    said = b"\n".join((request.method.encode(), target.encode(), who.encode(), body))
     return RequestKey(key, hashlib.sha256(said).hexdigest())
 
 

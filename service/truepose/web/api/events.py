@@ -3,12 +3,13 @@
 import asyncio
 import contextlib
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from typing import Annotated, Any, Final
 
 from fastapi import Header, Query
 from fastapi.responses import StreamingResponse
+from starlette.types import Send
 
 from truepose.storage.documents import text_from
 from truepose.storage.records import EventRecord, Page
@@ -28,6 +29,21 @@ _EVENT: Final = {
         "data": {"type": "string", "description": "What it says, as JSON."},
     },
 }
+
+
+class EventStream(StreamingResponse):
+    """Server-sent events from a generator, which is closed with the connection and not some time after."""
+
+    media_type = EVENT_STREAM
+
+    def __init__(self, events: AsyncGenerator[str]) -> None:
+        super().__init__(events, headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
+        self.events = events
+
+    async def stream_response(self, send: Send) -> None:
+        """Send what happens until it ends or nobody follows."""
+        async with contextlib.aclosing(self.events):
+            await super().stream_response(send)
 
 
 def stream_content(example: str) -> dict[str, Any]:
@@ -79,7 +95,7 @@ async def follow_events(
     job_id: OfRecord = None,
     last_event_id: EventNumber = None,
     stop_after_s: Seconds = None,
-) -> StreamingResponse:
+) -> EventStream:
     """Follow what happens: `session.state`, `session.reading`, `session.stops_added`, `job.state` and so on.
 
     Of one session or job the stream begins with its first event, of everything with the next one, unless
@@ -91,10 +107,7 @@ async def follow_events(
         await here.jobs.get(job_id)
     interest = _Interest(session_id, job_id)
     start = await _start(here, interest, last_event_id)
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(
-        _stream(here, interest, start, stop_after_s), media_type=EVENT_STREAM, headers=headers
-    )
+    return EventStream(_stream(here, interest, start, stop_after_s))
 
 
 async def _start(here: Context, interest: _Interest, last_event_id: int | None) -> int:
@@ -105,7 +118,7 @@ async def _start(here: Context, interest: _Interest, last_event_id: int | None) 
 
 async def _stream(
     here: Context, interest: _Interest, after: int, stop_after_s: float | None
-) -> AsyncIterator[str]:
+) -> AsyncGenerator[str]:
     with contextlib.suppress(TimeoutError):
         async with asyncio.timeout(stop_after_s):
             yield "retry: 1000\n\n"  # EventSource comes back after a second when the service restarts

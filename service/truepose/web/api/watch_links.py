@@ -1,6 +1,7 @@
 """Watch links: whoever has one looks at one session on a screen of their own, and at nothing else."""
 
-from collections.abc import AsyncIterator
+import contextlib
+from collections.abc import AsyncGenerator
 from http import HTTPStatus
 from typing import Any, Final
 
@@ -13,6 +14,7 @@ from pydantic import Field
 from truepose.messages.message import message
 from truepose.people.errors import UnknownPersonError
 from truepose.storage.people import CredentialKind, CredentialRecord
+from truepose.web.api.events import EventStream
 from truepose.web.api.sessions.following import Follower, follow_session
 from truepose.web.context import Context, Here
 from truepose.web.middleware.rights import CurrentCaller
@@ -72,7 +74,6 @@ router = resource(tags=["people"])
 pages = APIRouter(include_in_schema=False)
 _MODULE_PX: Final = 8
 _OVER: Final = "This link shows nothing any more: it has ended, or was taken back."
-_HEADERS: Final = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 _HOURS_A_DAY: Final = 24
 
 
@@ -125,23 +126,22 @@ async def follow_watched(here: Here, request: HttpRequest, secret: str) -> Respo
     record = here.people.accounts.watched_by(secret)
     if record is None:
         return problem_response(request, HTTPStatus.UNAUTHORIZED, _OVER)
-    chunks = _while_it_lasts(here, secret, await _followed(here, record))
-    return StreamingResponse(chunks, media_type="text/event-stream", headers=_HEADERS)
+    return EventStream(_while_it_lasts(here, secret, await _followed(here, record)))
 
 
-async def _followed(here: Context, record: CredentialRecord) -> AsyncIterator[Any]:
+async def _followed(here: Context, record: CredentialRecord) -> AsyncGenerator[str]:
     session = await here.sessions.get(record.document["session_id"])
-    screen = Follower(here, session.id, f"watch link {record.id}")
-    return aiter((await follow_session(screen)).body_iterator)
+    return (await follow_session(Follower(here, session.id, f"watch link {record.id}"))).events
 
 
-async def _while_it_lasts(here: Context, secret: str, chunks: AsyncIterator[Any]) -> AsyncIterator[Any]:
-    async for chunk in chunks:
-        # Looked at for each piece: a link that ends, or is taken back, ends a stream that has been open for
-        # hours.
-        if here.people.accounts.watched_by(secret) is None:
-            return
-        yield chunk
+async def _while_it_lasts(here: Context, secret: str, events: AsyncGenerator[str]) -> AsyncGenerator[str]:
+    async with contextlib.aclosing(events):
+        async for event in events:
+            # Looked at for each one: a link that ends, or is taken back, ends a stream that has been open for
+            # hours.
+            if here.people.accounts.watched_by(secret) is None:
+                return
+            yield event
 
 
 def _links(here: Context, session_id: int | None = None) -> list[CredentialRecord]:

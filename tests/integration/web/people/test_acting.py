@@ -16,8 +16,11 @@ from truepose.messages.catalogue import IN_ENGLISH
 from truepose.messages.message import leading_key
 from truepose.people.accounts import Preferences
 from truepose.people.leases import LEASE_S
+from truepose.people.register import Caller
 from truepose.storage import database
 from truepose.storage.errors import StorageUnavailableError
+from truepose.web.api import watch_links
+from truepose.web.api.events import EventStream
 from truepose.web.middleware.authorization import AuthorizationMiddleware
 from truepose.web.middleware.routing import operations_of
 from truepose.web.pages.session_history import acts_of_session
@@ -288,6 +291,15 @@ async def test_a_watch_link_shows_one_session_and_nothing_else(house, alan, app,
         assert (await screen.get(f"/watch/{secret}/live")).status_code == 401
 
 
+async def test_a_key_of_somebody_else_answers_with_nothing_of_theirs(house, alan, ada):
+    sent = {"json": session_request(), "headers": {"Idempotency-Key": "1"}}
+
+    first, hers, again = [await browser.post(SESSIONS, **sent) for browser in (alan, ada, alan)]
+
+    assert [first.status_code, hers.status_code, again.status_code] == [201, 409, 201]
+    assert again.json()["id"] == first.json()["id"]
+
+
 async def test_a_stream_ends_with_the_right_to_it(house):
     async def streaming(scope, receive, send):
         await send({"type": "http.response.start", "status": 200, "headers": []})
@@ -304,6 +316,61 @@ async def test_a_stream_ends_with_the_right_to_it(house):
     answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost"), token])
 
     assert (answer.status, answer.body) == (200, b"before")
+
+
+async def test_a_stream_of_an_open_service_ends_when_the_first_person_closes_it(app):
+    accounts = app.state.context.people.accounts
+
+    async def streaming(scope, receive, send):
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b"before", "more_body": True})
+        chosen = Preferences(password=PASSWORD)
+        await accounts.enter_first(accounts.first_secret, "Ada Byron", chosen, "127.0.0.1")
+        await send({"type": "http.response.body", "body": b"after", "more_body": True})
+
+    gate = AuthorizationMiddleware(streaming, operations_of(app.routes))
+
+    async def served(scope, receive, send):
+        await gate({**scope, "app": app}, receive, send)
+
+    answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost")])
+
+    assert (answer.status, answer.body) == (200, b"before")
+
+
+async def two_events(closed):
+    try:
+        yield "first"
+        yield "second"
+    finally:
+        closed.append(True)
+
+
+async def test_a_link_that_is_taken_back_closes_what_it_showed(house):
+    record, secret = await house.here.accounts.make_watch_link(1, 1.0, Caller())
+    closed = []
+    events = two_events(closed)
+    shown = watch_links._while_it_lasts(house.app.state.context, secret, events)
+
+    first = await anext(shown)
+    await house.here.accounts.register.revoke(record.id, by="a test")
+    rest = [event async for event in shown]
+
+    assert (first, rest, closed) == ("first", [], [True])
+
+
+async def test_a_reader_that_is_gone_closes_what_it_followed():
+    closed = []
+    stream = EventStream(two_events(closed))
+
+    async def gone(message):
+        if message["type"] == "http.response.body":
+            raise OSError("nobody reads")
+
+    with pytest.raises(OSError, match="nobody reads"):
+        await stream.stream_response(gone)
+
+    assert closed == [True]
 
 
 async def test_a_plant_hands_down_for_somebody_whom_the_cell_does_not_know(house):

@@ -6,7 +6,7 @@ A slow reader gets the newest of both, not a queue of old ones.
 import asyncio
 import contextlib
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Annotated, Any, Final
@@ -17,7 +17,7 @@ from pydantic import AfterValidator
 
 from truepose.analysis.campaigns.contacts import readings_of
 from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.web.api.events import EVENT_STREAM, Seconds, stream_content
+from truepose.web.api.events import EventStream, Seconds, stream_content
 from truepose.web.api.sessions.ballbar import entry_reply
 from truepose.web.api.sessions.ballbar_replies import LedgerReply
 from truepose.web.api.sessions.contact_schemas import ContactReadingReply
@@ -76,12 +76,10 @@ class Follower:
     tablet: str
     stop_after_s: float | None = None
 
-    def streamed(self, situations: AsyncIterator[str], samples: AsyncIterator[str]) -> StreamingResponse:
+    def streamed(self, situations: AsyncIterator[str], samples: AsyncIterator[str]) -> EventStream:
         """Return the answer that sends situations and samples, as JSON, while the tablet is counted."""
-        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
         watching = self.here.session_desk.watching.by(self.session_id, self.tablet)
-        stream = _stream(self.here, watching, situations, samples, self.stop_after_s)
-        return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
+        return EventStream(_stream(self.here, watching, situations, samples, self.stop_after_s))
 
 
 async def _kind(here: Here, id: Id) -> KindOfSession:
@@ -132,7 +130,7 @@ async def _stream(
     situations: AsyncIterator[str],
     samples: AsyncIterator[str],
     stop_after_s: float | None,
-) -> AsyncIterator[str]:
+) -> AsyncGenerator[str]:
     mailbox = _Mailbox()
     with watching, contextlib.suppress(TimeoutError):
         feeding = [
@@ -214,7 +212,7 @@ async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[Con
 
 
 @router.get("/live", response_class=StreamingResponse, responses=_LIVE)
-async def follow_session(following: Following) -> StreamingResponse:
+async def follow_session(following: Following) -> EventStream:
     """Follow a session: `sample` is what its instrument sees now, `situation` the session as it changes.
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
