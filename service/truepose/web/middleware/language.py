@@ -18,7 +18,6 @@ from truepose.messages.catalogue import ENGLISH, IN_ENGLISH, LANGUAGES, Catalogu
 from truepose.messages.message import Text
 from truepose.messages.units import Units
 
-
 # RFC 9110, 12.4.2: what Python reads as a number beside that (nan, 1e9, 1_0) is none here.
 _WEIGHT: Final = re.compile(r"q=(0(?:\.[0-9]{0,3})?|1(?:\.0{0,3})?)", re.ASCII | re.IGNORECASE)
 

@@ -1,9 +1,11 @@
 """What stands behind the question mark: pages of lists, and names that no operation knows."""
 
 import pytest
+from starlette.requests import Request
 
 from tests.integration.web.bench import session_request
 from truepose.storage.records import Page
+from truepose.web.resources import request_key
 
 SESSIONS = "/api/v1/sessions"
 
@@ -26,6 +28,13 @@ async def test_where_no_parameter_is_taken_none_is_passed_over(client):
     assert (await refusal(client, "/api/v1/devices/tracker?limit=3")).endswith(
         "no parameters are taken here."
     )
+
+
+@pytest.mark.parametrize(
+    "path", ["/api/v1/robots/a%00b", "/robots/a%00", "/api/v1/audit?search=%00", "/audit?q=a%00b"]
+)
+async def test_an_address_with_a_zero_byte_is_refused_before_a_database_sees_it(client, path):
+    assert "zero byte (%00)" in await refusal(client, path)
 
 
 @pytest.mark.parametrize("given", ["", "?after=0&limit=2", "?limit=2"])
@@ -78,3 +87,12 @@ async def test_a_page_is_bounded_whatever_is_asked_for(client, app, monkeypatch)
     await client.get(f"{SESSIONS}?limit=1000")
 
     assert asked == [Page(0, 500)]
+
+
+@pytest.mark.parametrize(("other", "is_same"), [(b"limit=3", True), (b"limit=4", False), (b"", False)])
+def test_a_key_that_comes_back_with_another_query_is_of_another_request(other, is_same):
+    def fingerprint(query):
+        asked = {"type": "http", "method": "POST", "path": SESSIONS, "query_string": query, "headers": []}
+        return request_key(Request(asked), "key-1", b"{}").fingerprint
+
+    assert (fingerprint(other) == fingerprint(b"limit=3")) is is_same
