@@ -23,6 +23,12 @@ class Echo:
 
 
 @dataclass(frozen=True)
+class AnswerOfNoModule:
+    def perform(self, report):
+        return lambda: None
+
+
+@dataclass(frozen=True)
 class Fail:
     error: Exception
 
@@ -47,6 +53,32 @@ class Hang:
 
         report(0.1, str(os.getpid()))
         time.sleep(600)
+
+
+@dataclass(frozen=True)
+class Flood:
+    """Tells so little that a pipe holds it, then more than one holds, which nobody waits for."""
+
+    def perform(self, report):
+        report(0.1, str(os.getpid()))
+        report(0.2, "x" * 2**20)
+
+
+@dataclass(frozen=True)
+class Shout:
+    value: str
+
+    def perform(self, report):
+        sys.stderr.write(f"{'x' * 2**20} and at last\n")
+        return self.value
+
+
+@dataclass(frozen=True)
+class Signalled:
+    number: int
+
+    def perform(self, report):
+        os.kill(os.getpid(), self.number)
 
 
 async def nobody(fraction, doing):
@@ -84,17 +116,36 @@ async def test_a_worker_that_dies_is_told_with_its_last_words():
         await perform_in_worker(Die(7), nobody)
 
 
-async def test_cancelling_kills_the_process():
+async def test_an_answer_that_cannot_travel_is_a_fault_of_the_program():
+    with pytest.raises(TaskRefusedError, match=r"The program failed at this task \(.*pickle"):
+        await perform_in_worker(AnswerOfNoModule(), nobody)
+
+
+async def test_a_line_of_the_worker_that_is_too_long_for_a_log_stops_nobody():
+    assert await asyncio.wait_for(perform_in_worker(Shout("answer"), nobody), 20) == "answer"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere signals have other numbers")
+@pytest.mark.parametrize(("number", "named"), [(15, "SIGTERM"), (40, "40")])
+async def test_a_worker_that_a_signal_ends_is_told_with_it(number, named):
+    with pytest.raises(WorkerDiedError, match=f"was ended by signal {named} before it answered"):
+        await perform_in_worker(Signalled(number), nobody)
+
+
+@pytest.mark.parametrize("task", [Hang(), Flood()], ids=["computing", "telling"])
+async def test_cancelling_kills_the_process(task):
     started = asyncio.get_running_loop().create_future()
 
     async def tell(_fraction, doing):
         started.set_result(int(doing))
+        await asyncio.sleep(600)
 
-    work = asyncio.create_task(perform_in_worker(Hang(), tell))
+    work = asyncio.create_task(perform_in_worker(task, tell))
     process_id = await started
+    await asyncio.sleep(0.2)  # in which pipes fill
     work.cancel()
     with pytest.raises(asyncio.CancelledError):
-        await work
+        await asyncio.wait_for(work, 10)
 
     with pytest.raises(ProcessLookupError):
         os.kill(process_id, 0)

@@ -63,6 +63,7 @@ _COMMAND = (sys.executable, "-m", "truepose.analysis.job_queue.worker")
 _MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
 _DYING_S = 2.0
 _LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
+_LOG_CHARACTERS = 500  # of a line
 
 
 class Perform(Protocol):
@@ -125,8 +126,9 @@ async def perform_in_worker(
     finally:
         # Whatever ended the conversation, a cancellation included: no process outlives it.
         kill_group(process)
-        await process.wait()
         listening.cancel()
+        await asyncio.wait({listening})
+        await _drained(process)
         _LOG.info("worker %d has ended", process.pid)
 
 
@@ -164,16 +166,38 @@ async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> Non
     if process.stderr is None:
         return
     # Read to the end, though hardly anybody looks: a pipe that is full stops whoever writes into it.
-    async for line in process.stderr:
-        log.append(line.decode(errors="replace").rstrip())
+    while line := await _next_line(process.stderr):
+        log.append(line.decode(errors="replace").rstrip()[-_LOG_CHARACTERS:])
         _LOG.info("worker %d: %s", process.pid, log[-1])
+
+
+async def _next_line(stream: asyncio.StreamReader) -> bytes:
+    while True:
+        # What is longer than the stream's limit is dropped by it: of such a line comes the end.
+        with contextlib.suppress(ValueError):
+            return await stream.readline()
+
+
+async def _drained(process: asyncio.subprocess.Process) -> None:
+    """Read what a killed process left in its pipes, for nobody: its end is not known before theirs."""
+    # With a limit: what left the group of the process may hold its pipes for ever.
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(_DYING_S):
+            await process.communicate()
 
 
 def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> Message:
     status = process.returncode or 0
     how = message("job.worker.status", status=status)
     if status < 0:
-        how = message("job.worker.signal", signal=signal.Signals(-status).name)
+        how = message("job.worker.signal", signal=_signal_name(-status))
     if not log:
         return message("job.worker.died", how=how)
     return message("job.worker.died.said", how=how, last=log[-1])
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:  # real-time signals between the first and the last have none
+        return str(number)

@@ -17,7 +17,7 @@ from truepose.analysis.job_queue.pipe import (
     packed,
     receive,
 )
-from truepose.analysis.job_queue.tasks import Task
+from truepose.analysis.job_queue.tasks import Report, Task
 from truepose.domain.errors import TrueposeError
 from truepose.messages.error_codes import code_of
 from truepose.messages.message import message
@@ -33,21 +33,23 @@ def main() -> int:
     task = receive(sys.stdin.buffer)
     # Both read the same input: the task first, then only whether it is still open.
     threading.Thread(target=_end_with_the_service, daemon=True).start()
-    _send(answers, _performed(task, answers))
+    _send(answers, _performed(task, lambda *told: _send(answers, packed(TaskProgress(*told)))))
     return 0
 
 
-def _performed(task: Task, answers: BinaryIO) -> TaskAnswer | TaskRefusal:
+def _performed(task: Task, report: Report) -> bytes:
+    """Return the message that ends the conversation."""
     try:
-        return TaskAnswer(task.perform(lambda fraction, doing: _send(answers, TaskProgress(fraction, doing))))
+        # Packed here: an answer that cannot be packed, or not in this memory, is refused as any failure is.
+        return packed(TaskAnswer(task.perform(report)))
     except TrueposeError as error:
-        return TaskRefusal(error.text, code_of(error))
+        return packed(TaskRefusal(error.text, code_of(error)))
     except MemoryError:
-        return TaskRefusal(message("job.memory", megabytes=int(sys.argv[1]) // 2**20))
+        return packed(TaskRefusal(message("job.memory", megabytes=int(sys.argv[1]) // 2**20)))
     except Exception as error:
         # The traceback goes to the service's log; the sentence to whoever asked.
         traceback.print_exc()
-        return TaskRefusal(message("job.task_failed", kind=type(error).__name__, why=str(error)))
+        return packed(TaskRefusal(message("job.task_failed", kind=type(error).__name__, why=str(error))))
 
 
 def _keep_within(memory_bytes: int) -> None:
@@ -61,8 +63,8 @@ def _keep_within(memory_bytes: int) -> None:
         os.nice(_POLITENESS)
 
 
-def _send(stream: BinaryIO, message: object) -> None:
-    stream.write(packed(message))
+def _send(stream: BinaryIO, message: bytes) -> None:
+    stream.write(message)
     stream.flush()
 
 
