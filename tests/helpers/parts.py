@@ -44,3 +44,8 @@ def killed_at_first(marks, _seed):
 def process_of(_item, _seed):
     """Return what the process may use, and its number."""
     return os.getpid(), os.environ["OPENBLAS_NUM_THREADS"]
+
+
+def cannot_travel(_item, _seed):
+    """Answer with what no pipe takes."""
+    return lambda: None

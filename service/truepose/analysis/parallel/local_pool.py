@@ -49,9 +49,11 @@ class _WorkerProcess:
 
     def _listen(self) -> None:
         try:
-            while True:
-                self.answers.put((self, received(_open(self.process.stdout))))
-        except (EOFError, OSError):
+            with contextlib.suppress(EOFError, OSError):
+                while True:
+                    self.answers.put((self, received(_open(self.process.stdout))))
+        # Also where an answer does not fit into memory: who waits for it would wait for ever.
+        finally:
             self.answers.put((self, None))
 
     def end(self) -> None:

@@ -7,7 +7,7 @@ import threading
 from typing import BinaryIO
 
 from truepose.analysis.job_queue.pipe import claimed_output, packed, received, unpacked
-from truepose.analysis.parallel.tasks import Reply, Task
+from truepose.analysis.parallel.tasks import Reply, Task, failed_reply
 
 _POLITENESS = 5  # of the processor: a session under way comes first
 
@@ -22,8 +22,16 @@ def main() -> int:
     # answer, however its parent ended.
     threading.Thread(target=_listen, args=(os.fdopen(0, "rb"), waiting), daemon=True).start()
     while True:
-        answers.write(packed(_performed(waiting.get())))
+        answers.write(_answer(waiting.get()))
         answers.flush()
+
+
+def _answer(body: bytes) -> bytes:
+    reply = _performed(body)
+    try:
+        return packed(reply)
+    except Exception as error:  # an answer of any kind, of which some cannot travel
+        return packed(failed_reply(error))
 
 
 def _performed(body: bytes) -> Reply:
@@ -39,7 +47,8 @@ def _listen(tasks: BinaryIO, waiting: "queue.SimpleQueue[bytes]") -> None:
     try:
         while True:
             waiting.put(received(tasks))
-    except EOFError:
+    # Whatever ends the listening: who computes on would never be given a task again.
+    finally:
         os._exit(0)
 
 

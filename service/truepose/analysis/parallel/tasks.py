@@ -74,8 +74,7 @@ class Task:
         # not end the night of all others.
         except Exception as error:
             traceback.print_exc()  # where it ran
-            why = f"The program failed at this part ({type(error).__name__}: {error}); please report it."
-            return Reply(None, 0.0, why, code_of(error))
+            return failed_reply(error)
         return Reply(answer, time.perf_counter() - began_s)
 
 
@@ -216,6 +215,12 @@ def _answer(outcome: Outcome[T]) -> T:
     if isinstance(outcome, PartAnswer):
         return outcome.answer
     raise PartFailedError(f"{outcome.name}: {outcome.why}")
+
+
+def failed_reply(error: Exception) -> Reply:
+    """Return what is said of a task at which the program failed."""
+    why = f"The program failed at this part ({type(error).__name__}: {error}); please report it."
+    return Reply(None, 0.0, why, code_of(error))
 
 
 def lost_reply(times: int) -> Reply:

@@ -8,6 +8,7 @@ import selectors
 import pytest
 
 from tests.helpers.parts import (
+    cannot_travel,
     killed_at_first,
     odd_is_refused,
     process_of,
@@ -73,6 +74,12 @@ def test_what_fails_is_named_and_the_others_go_on(two):
         "TP-1023",
     )
     assert "ZeroDivisionError: 5" in outcomes[3].why
+
+
+def test_an_answer_that_cannot_travel_is_a_failure_of_its_part(two):
+    (outcome,) = two.outcomes(cannot_travel, _parts([1]))
+
+    assert "The program failed at this part" in outcome.why
 
 
 def test_answers_of_which_one_is_missing_are_none(two):
