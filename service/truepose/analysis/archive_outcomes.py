@@ -91,11 +91,12 @@ class Results:
 
     def has(self, key: Key) -> bool:
         """Whether a result is there."""
-        return (self._folder / key.file_name).is_file()
+        return _read(self._folder / key.file_name) is not None
 
     def get(self, key: Key) -> ArchiveOutcome | None:
         """Return a result, None where there is none."""
-        return _read(self._folder / key.file_name) if self.has(key) else None
+        document = _read(self._folder / key.file_name)
+        return None if document is None else _of_document(document)
 
     def keep(self, key: Key, text: str) -> None:
         """Keep the text of a result; once this returns it is on disk."""
@@ -112,8 +113,10 @@ class Results:
     def of_another_program(self, key: Key) -> ArchiveOutcome | None:
         """Return the newest result of the same data and effects by another version; None: there is none."""
         for file in sorted(self._by_name.get(_plain(key.campaign), ()), key=os.path.getmtime, reverse=True):
-            document = json.loads(file.read_text(encoding="utf-8"))
-            if _asks(document) == _asks_of(key) and document["program"] != key.program:
+            document = _read(file)
+            if document is None or document["program"] == key.program:
+                continue
+            if _asks(document) == _asks_of(key):
                 return _of_document(document)
         return None
 
@@ -144,8 +147,14 @@ def _plain(name: str) -> str:
     return _UNSAFE.sub("-", name)[:60].strip(".-") or "campaign"
 
 
-def _read(file: Path) -> ArchiveOutcome:
-    return _of_document(json.loads(file.read_text(encoding="utf-8")))
+def _read(file: Path) -> Document | None:
+    """Return the document of a result; None where the file is none: foreign, torn, or not there."""
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    ours = isinstance(document, dict) and document.get("format") == _FORMAT
+    return document if ours else None
 
 
 def _of_document(document: Document) -> ArchiveOutcome:

@@ -93,6 +93,18 @@ def test_a_campaign_that_cannot_be_read_is_named_and_the_others_are_computed(arc
     assert anew.computed == 2
 
 
+@pytest.mark.parametrize("text", [b"", b'{"format": ', b"[1]", b'{"campaign": "campaign-1"}', b"\xff"])
+def test_a_file_that_is_no_result_is_passed_over(archive, out, text):
+    torn, *_ = (out / "results").glob("campaign-1.*.json")
+    torn.write_bytes(text)
+    (out / "results" / "campaign-2.notes.json").write_bytes(text)
+
+    anew, _ = computed(archive, out)
+
+    assert (anew.computed, anew.there_already, anew.failed) == (1, 2, ())
+    assert json.loads(torn.read_text())["campaign"] == "campaign-1"
+
+
 def test_the_same_results_of_another_version_differ_in_nothing(archive, out):
     _found_by_another_version(out, lambda document: None)
 
