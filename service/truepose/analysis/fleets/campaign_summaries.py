@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from truepose.analysis.errors import ClusterError
 from truepose.analysis.page_services import Renderer
 from truepose.analysis.parallel.addresses import Reach
-from truepose.domain.errors import ConfigurationError, TrueposeError
+from truepose.domain.errors import ConfigurationError
 from truepose.storage.caches import DrawnFolder, rendered_page
 from truepose.storage.plant.overview import CollectedCampaigns
 from truepose.storage.plant.queries import ResultRecord
@@ -158,15 +158,12 @@ def summaries(asked: FleetRequest) -> bytes:
 
 
 def _here(contents: Sequence[bytes]) -> Iterator[tuple[_Answer, bytes]]:
-    import numpy as np
-
     from truepose.analysis.fleets.campaigns import tell
+    from truepose.analysis.parallel.tasks import Task
 
-    for content in contents:
-        try:
-            yield _Answer.TOLD, tell(content, np.random.SeedSequence(0))
-        except TrueposeError as error:
-            yield _Answer.FAILED, str(error).encode()
+    # As tasks, whose errors are answers: one bad campaign leaves the others theirs.
+    for number, content in enumerate(contents):
+        yield _answer_of(Task(tell, 0, number, content).perform().outcome(number, ""))
 
 
 def _by_workers(contents: Sequence[bytes], where: str) -> list[tuple[_Answer, bytes]]:

@@ -30,6 +30,7 @@ from truepose.fleet.sentences import day_of
 from truepose.fleet.trend import LimitCrossing, Priority, due
 from truepose.messages.message import Text
 from truepose.storage.caches import FleetComparison, LimitForecast
+from truepose.storage.errors import DamagedDatabaseError
 
 _MONTH_DAYS: Final = 365.25 / 12.0
 
@@ -199,8 +200,9 @@ class FleetArchive:
             # By the data and the program alone. Names and days that a table says are no part of it, so a
             # table that is corrected costs no computing.
             file = self._file(content)
-            if file is not None and file.is_file():
-                self._told[place] = summary_from(file.read_bytes())
+            kept = _kept(file)
+            if kept is not None:
+                self._told[place] = kept
             else:
                 self._asked.append((place, file))
                 yield Part(campaign.name, content)
@@ -223,6 +225,16 @@ class FleetArchive:
 
     def _without_answer(self) -> list[LeftOut]:
         return [LeftOut(self._campaigns[place].name, why) for place, why in sorted(self._failed.items())]
+
+
+def _kept(file: Path | None) -> CampaignEstimate | None:
+    """Return what a file has of a campaign; None where it is not there or is torn: it is told again then."""
+    if file is None:
+        return None
+    try:
+        return summary_from(file.read_bytes())
+    except (FileNotFoundError, DamagedDatabaseError):
+        return None
 
 
 def _check_named(campaigns: Sequence[ArchivedCampaign], visits: Mapping[str, Stated]) -> None:
