@@ -34,7 +34,7 @@ def worker_address(where: str) -> WorkerAddress:
     if where.startswith(_SCHEME):
         address = where.removeprefix(_SCHEME).rstrip("/")
         host, _, port = address.rpartition(":")
-        if not host or not port.isdecimal() or not 0 < int(port) <= _LAST_PORT:
+        if not _is_host(host) or not port.isdecimal() or not 0 < int(port) <= _LAST_PORT:
             raise _misunderstood(where)
         _require_dask()
         return WorkerAddress(scheduler=address)
@@ -44,6 +44,14 @@ def worker_address(where: str) -> WorkerAddress:
     if not where.isdecimal() or not 1 <= int(where) <= _MOST:
         raise _misunderstood(where)
     return WorkerAddress(int(where))
+
+
+def _is_host(name: str) -> bool:
+    # As names are looked up: there an empty label, or one too long, is no OSError as all other failures are.
+    try:
+        return bool(name.encode("idna"))
+    except UnicodeError:
+        return False
 
 
 def has_dask() -> bool:
