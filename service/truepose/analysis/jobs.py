@@ -236,7 +236,8 @@ class JobService:
             )
             return await self._corrections.keep(job_id, model_id, made)
 
-        self.require_room()
+        if not await self._queue.knows(JobKind.CORRECTION, key):
+            self.require_room()
         request = {"model_id": model_id, "file": file.name, **asked}
         work = Work(JobKind.CORRECTION, request, len(file.data) // 1024, load, store)
         number = await self._queue.add(work, key, sender)

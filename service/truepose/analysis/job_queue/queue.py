@@ -92,7 +92,7 @@ class JobQueue:
         BusyError
             Too many wait already.
         """
-        if len(self._running) >= _MOST_WAITING:
+        if len(self._running) >= _MOST_WAITING and not await self.knows(work.kind, key):
             raise BusyError(message("refused.many_jobs", most=_MOST_WAITING))
         request = {**work.request, "work_count": work.work_count}
         earlier = await self._jobs.taken(work.kind, REMEMBERED)
@@ -103,6 +103,10 @@ class JobQueue:
         if not ended and job_id not in self._running:
             self._begin(job_id, work, expected_s(work.kind, work.work_count, earlier), sender)
         return job_id
+
+    async def knows(self, kind: JobKind, key: RequestKey | None) -> bool:
+        """Whether a request was sent before: it has its job, and needs no room. Raises KeyReusedError."""
+        return key is not None and await self._jobs.answered(kind, key) is not None
 
     async def stop(self, job_id: int) -> None:
         """End a job's worker, if it has one, and take it out of the queue."""

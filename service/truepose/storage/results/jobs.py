@@ -12,7 +12,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import text_from, to_document
 from truepose.storage.errors import ConflictError
 from truepose.storage.queries import NumberedRecords
-from truepose.storage.record_insertion import add_event, add_row, once
+from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import JobKind, JobRecord, JobState, JobTaken, RequestKey
 from truepose.storage.tables import events, job_states, jobs
 
@@ -63,7 +63,11 @@ class JobRepository(NumberedRecords[JobRecord]):
             add_job_state(connection, number, JobState.QUEUED, said("job.waiting"))
             return number
 
-        return await self._database.write_new(lambda c: once(c, key, f"{kind} job", create))
+        return await self._database.write_new(lambda c: once(c, key, _resource(kind), create))
+
+    async def answered(self, kind: JobKind, key: RequestKey) -> int | None:
+        """Return the job that a request with this key queued before; raises KeyReusedError."""
+        return await self._database.read(lambda c: answered_number(c, key, _resource(kind)))
 
     async def interrupt(self, why: Text) -> None:
         """End every job that no final state ended; one whose end is just being written keeps its own."""
@@ -117,6 +121,10 @@ class JobRepository(NumberedRecords[JobRecord]):
         document = to_document({"fraction": fraction, "doing": doing})
         # An event and no state: progress is told far more often than states change.
         await self._database.write(lambda c: add_event(c, PROGRESS, document, job_id=job_id))
+
+
+def _resource(kind: JobKind) -> str:
+    return f"{kind} job"
 
 
 def _between_s(earlier: str, later: str) -> float:

@@ -250,8 +250,10 @@ async def correct_file(
         most_targets=MOST_TARGETS,
     )
     async with here.campaign_desk.uploads.turn():
-        # Before the file is received: where no job can be queued nobody sends 16 MB for nothing.
-        here.job_desk.require_room()
+        # Before the file is received: where no job can be queued nobody sends 16 MB for nothing. A request
+        # with a key may have its job already, which only its file tells.
+        if key is None:
+            here.job_desk.require_room()
         sent = await _received(request)
         file = TargetsFile(model, sent.name, sent.data, replace(meant, beside=sent.beside))
         await while_present(request, here.campaign_desk.uploads.check(file))

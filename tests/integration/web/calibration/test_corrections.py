@@ -234,7 +234,9 @@ async def test_there_is_no_correction_by_a_model_that_is_not_there(client, send)
         assert (await client.get(f"/api/v1/{path}")).status_code == 404
 
 
-async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(app, send, monkeypatch):
+async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(
+    app, client, send, model_id, monkeypatch
+):
     desk, gate = app.state.context.job_desk, asyncio.Event()
 
     async def held(task, told):
@@ -242,11 +244,16 @@ async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(app, se
         return await perform_here(task, told)
 
     monkeypatch.setattr(desk._queue, "_perform", held)
-    taken = [await send("weld.mod", PROGRAM) for _ in range(4)]
+    path, files = f"/api/v1/models/{model_id}/corrections", {"file": ("weld.mod", PROGRAM)}
+    key = {"Idempotency-Key": "k1"}
+    first = await client.post(path, files=files, headers=key)
+    taken = [await send("weld.mod", PROGRAM) for _ in range(3)]
     refused = await send("weld.mod", PROGRAM)
+    again = await client.post(path, files=files, headers=key)
     gate.set()
 
-    assert [reply.status_code for reply in taken] == [202] * 4
+    assert [reply.status_code for reply in (first, *taken)] == [202] * 4
+    assert (again.status_code, again.json().get("id")) == (202, first.json()["id"])
     assert refused.status_code == 503
     assert "Too many files are waiting to be corrected" in refused.json()["detail"]
 
