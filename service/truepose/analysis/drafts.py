@@ -21,7 +21,7 @@ from truepose.messages.catalogue import IN_ENGLISH
 from truepose.messages.message import message
 from truepose.storage.drafts import Draft, DraftFolder
 from truepose.storage.ledger.series import SeriesRecord, SeriesRepository
-from truepose.storage.records import Page
+from truepose.storage.records import Page, RequestKey
 from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
 
 _REMEMBERED: Final = 20
@@ -90,11 +90,21 @@ class DraftService:
         # To understand a draft costs a worker process; a page that is looked at again costs none (decision
         # 0055).
         key = (draft.id, draft.revision)
-        if key not in self._seen:
-            self._seen[key] = (await self._look(draft, make=False)).understood
-            while len(self._seen) > _REMEMBERED:
-                self._seen.popitem(last=False)
-        return self._seen[key]
+        if key in self._seen:
+            return self._seen[key]
+        try:
+            found = (await self._look(draft, make=False)).understood
+        # What cannot be opened is shown on the page among the files, where it can be taken out again; an
+        # error of the request would show nothing.
+        except TaskRefusedError as error:
+            found = Understood((), fault=Fault("", str(error)))
+            # Without a code it is no word on the files: they took too long, or too much memory, this time.
+            if not error.code:
+                return found
+        self._seen[key] = found
+        while len(self._seen) > _REMEMBERED:
+            self._seen.popitem(last=False)
+        return found
 
     async def make(self, number: int, name: str | None) -> Draft:
         """Make a campaign of a draft, and queue its identification and its diagnosis; again, return the same.
@@ -111,14 +121,17 @@ class DraftService:
             # What was made stays: a second request answers with the same campaign.
             if draft.campaign_id is not None:
                 return draft
-            found = await self._look(draft, make=True)
+            try:
+                found = await self._look(draft, make=True)
+            except TaskRefusedError as error:
+                raise NotReadyError(error.text) from error
             if found.campaign is None:
                 raise NotReadyError(_what_is_missing(found.understood))
             stored = _stored(found.campaign, draft, name)
-            campaign_id = await self._campaigns.add(stored)
+            campaign_id = await self._campaigns.add(stored, _key(draft, "campaign"))
             jobs = (
-                await self._jobs.identify(campaign_id, None),
-                await self._jobs.diagnose(campaign_id, None),
+                await self._jobs.identify(campaign_id, None, _key(draft, "identification")),
+                await self._jobs.diagnose(campaign_id, None, key=_key(draft, "diagnosis")),
             )
             return await _off_the_loop(self._drafts.keep_made, number, campaign_id, jobs)
 
@@ -127,18 +140,19 @@ class DraftService:
             return BroughtRead(Understood(()))
         files = tuple((file.name, str(self._drafts.path(draft.id, file.number))) for file in draft.files)
         task = ReadBroughtTask(files, choices_of(draft.choices, _edits(draft.choices)), make)
-        try:
-            # In the turns of uploads: however files came, one worker reads what strangers sent, and no more.
-            async with self._uploads.turn():
-                return await self._uploads.look(task)
-        # What cannot be opened is shown on the page among the files, where it can be taken out again; an
-        # error of the request would show nothing.
-        except TaskRefusedError as error:
-            return BroughtRead(Understood((), fault=Fault("", str(error))))
+        # In the turns of uploads: however files came, one worker reads what strangers sent, and no more.
+        async with self._uploads.turn():
+            return await self._uploads.look(task)
 
 
 async def _whole(data: bytes) -> AsyncIterator[bytes]:
     yield data
+
+
+def _key(draft: Draft, made: str) -> RequestKey:
+    """Name what is made of a draft as it stands, so that it is made once however often that is tried."""
+    # A client's key has no blank, so these are of drafts alone.
+    return RequestKey(f"{made} of draft {draft.id} of {draft.created_at}, revision {draft.revision}", "")
 
 
 def _stored(made: BroughtCampaign, draft: Draft, name: str | None) -> NewCampaign:

@@ -3,6 +3,7 @@
 import asyncio
 import re
 from typing import get_args
+from unittest.mock import AsyncMock
 
 import pytest
 
@@ -10,6 +11,8 @@ from tests.helpers.web.pages import Page
 from tests.helpers.web.performing import perform_here
 from tests.unit.service.exchange.import_wizard.tables import plain
 from truepose.analysis.drafts import DraftService
+from truepose.analysis.job_queue import queue
+from truepose.analysis.job_queue.supervisor import TaskRefusedError
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.import_wizard.dialogue import ROLES
 from truepose.exchange.import_wizard.headings import QUANTITIES
@@ -83,6 +86,38 @@ async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, a
     assert jobs == ["identification", "diagnosis"]
     summary = (await app.state.context.campaigns.get(campaign["id"])).summary
     assert (summary.measured_by, summary.instrument, summary.certificate) == ("Ada", "AT960", "7")
+
+
+async def test_a_draft_whose_job_is_refused_makes_one_campaign(client, monkeypatch):
+    path = await brought(client, mine__csv=plain())
+    await client.patch(path, json={"measured_on": "2026-03-03"})
+
+    with monkeypatch.context() as few:
+        few.setattr(queue, "_MOST_WAITING", 1)
+        refused = [await client.post(f"{path}/campaign", json={}) for _ in range(2)]
+    made = await client.post(f"{path}/campaign", json={})
+
+    assert [answer.status_code for answer in refused] == [503, 503]
+    assert made.status_code == 201, made.text
+    assert len((await client.get("/api/v1/campaigns")).json()) == 1
+    assert [job["id"] for job in (await client.get("/api/v1/jobs")).json()] == made.json()["job_ids"]
+
+
+@pytest.mark.parametrize(
+    ("refusal", "readings"),
+    [(TaskRefusedError("mine.csv cannot be read.", "TP-4014"), 1), (TaskRefusedError("It took long."), 2)],
+)
+async def test_what_was_refused_is_asked_again_only_where_it_may_pass(client, monkeypatch, refusal, readings):
+    path = await brought(client, mine__csv=plain())
+    look = AsyncMock(side_effect=refusal)
+    monkeypatch.setattr(Uploads, "look", look)
+
+    faults = [(await client.get(f"{path}/understood")).json()["fault"]["sentence"] for _ in range(2)]
+    made = await client.post(f"{path}/campaign", json={})
+
+    assert faults == [str(refusal)] * 2
+    assert (made.status_code, made.json()["detail"]) == (409, str(refusal))
+    assert look.await_count == readings + 1
 
 
 async def test_a_corrected_line_is_told_with_the_results_and_the_file_stays_as_it_came(client):
