@@ -16,6 +16,7 @@ from typing import Final
 
 import numpy as np
 
+from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.robot import FixedNest, Nest, Robot, WorldRegistration
 from truepose.exchange.document import (
@@ -165,8 +166,22 @@ def _refuse_other_gravity(root: Node) -> None:
         )
 
 
+MOST_NESTS: Final = 999  # more than anybody has
+
+
+def unknown_nests(named: Iterable[FloatArray]) -> list[None]:
+    """Return as many nests of unknown place as columns of readings name.
+
+    A number that no nest has counts for none: whoever reads the table refuses it in its place.
+    """
+    numbers = [column[(column >= 1) & (column <= MOST_NESTS)] for column in named]
+    return [None] * max((int(column.max(initial=1)) for column in numbers), default=1)
+
+
 def _read_nests(root: Node) -> tuple[Nest, ...]:
     centres = root.key("tool_nests_mm").items()
+    if len(centres) > MOST_NESTS:
+        root.key("tool_nests_mm").fail(f"{len(centres)} nests are more than the {MOST_NESTS} that are read")
     if not centres:
         root.key("tool_nests_mm").fail(
             "the list is empty; one entry per tool nest is required, null where unknown"

@@ -7,6 +7,7 @@ coordinates is passed over, unless a header names it.
 """
 
 import csv
+import io
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,6 +16,8 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
+from truepose.exchange.tables.rows import LONGEST_LINE
+from truepose.exchange.tables.table_reader import shown
 
 MOST_LINES: Final = 200_000
 _COMMENTS: Final = ("//", "#", "!", "%", "*")
@@ -32,9 +35,7 @@ class Line(NamedTuple):
 
 def lines_of(file: str, data: bytes) -> tuple[list[Line], list[str]]:
     """Return the lines with words, and the comments; raises UnreadableFileError."""
-    texts = [(number, line.strip()) for number, line in enumerate(_text(file, data).splitlines(), start=1)]
-    if len(texts) > MOST_LINES:
-        raise UnreadableFileError(f"it has more than {MOST_LINES:,} lines, the most that is read", file=file)
+    texts = list(_stripped_lines(file, data))
     said = [line for _, line in texts if line.startswith(_COMMENTS)]
     kept = [(number, line) for number, line in texts if line and not line.startswith(_COMMENTS)]
     if not kept:
@@ -42,6 +43,20 @@ def lines_of(file: str, data: bytes) -> tuple[list[Line], list[str]]:
     # Once for the file: line by line a comma in a name would pass for a separator.
     separator = _separator(kept[0][1])
     return [Line(number, tuple(_words(line, separator))) for number, line in kept], said
+
+
+def _stripped_lines(file: str, data: bytes) -> Iterator[tuple[int, str]]:
+    """Yield the lines and their numbers, counted as they come."""
+    for number, line in enumerate(io.StringIO(_text(file, data), newline=None), start=1):
+        if number > MOST_LINES:
+            raise UnreadableFileError(
+                f"it has more than {MOST_LINES:,} lines, the most that is read", file=file
+            )
+        if len(line) > LONGEST_LINE:
+            raise UnreadableFileError(
+                f"the line has more than {LONGEST_LINE:,} characters", file=file, line=number
+            )
+        yield number, line.strip()
 
 
 def _text(file: str, data: bytes) -> str:
@@ -79,7 +94,7 @@ _MEASURED: Final = re.compile(rf"(?:(?:measured|meas|actual|act)[ _.]*)?(?P<axis
 _SPREAD: Final = re.compile(rf"(?:u|sigma|sd|unc\w*)[ _.]*(?P<axis>[xyz]){_UNIT}")
 _NAMES: Final = frozenset({"name", "point", "point name", "target", "target name", "label", "id", "point id"})
 _SAID: Final = re.compile(r"units?\b\W*(?:(?:are|in|length)\b)?\W*(?P<unit>[a-z]+)", re.IGNORECASE)
-_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _WHOLE: Final = re.compile(r"\d+")
 
 
@@ -217,7 +232,7 @@ def _numbers(file: str, line: Line, at: Sequence[int]) -> tuple[float, ...]:
         )
     for word in (line.words[place] for place in at):
         if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
-            raise BadValueError(f"{word!r} is no coordinate", file=file, line=line.number)
+            raise BadValueError(f"{shown(word)} is no coordinate", file=file, line=line.number)
     return tuple(float(line.words[place]) for place in at)
 
 

@@ -15,13 +15,15 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError
+from truepose.exchange.campaigns.description import unknown_nests
 from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_from_arrays
 from truepose.exchange.campaigns.point_list import UNITS_MM, NamedPoint, Vector, read_point_list
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.exchange.document import Node, file_document, read_bytes
-from truepose.exchange.errors import BadValueError, MissingEntryError
+from truepose.exchange.errors import BadValueError, InputFileError, MissingEntryError
 from truepose.exchange.robots.named import campaign_keys, named_robot
-from truepose.exchange.tables.rows import numbered_rows, read_header
+from truepose.exchange.tables.rows import MOST_ROWS, numbered_rows, parts, read_header
+from truepose.exchange.tables.table_reader import is_number, shown
 
 _POINT: Final = "point"  # column of names in the table of joints
 AT_THE_END: Final = "*{config}"
@@ -35,6 +37,7 @@ class JoinedTable:
     """The columns of a campaign's table, and what found no other half."""
 
     columns: Mapping[str, FloatArray]  # (n,) each, by the names of the file format
+    lines: tuple[int, ...]  # (n,) of the table of joints
     points_alone: tuple[str, ...]  # names of points that belong to no row
     rows_alone: tuple[int, ...]  # lines of the table that have no point
 
@@ -87,11 +90,15 @@ def join_tables(
     ConfigurationError
         `names` has no `{config}`.
     """
-    rows = list(numbered_rows(file, data))
-    header = read_header(file, iter(rows))
+    numbered = numbered_rows(file, data)
+    header_line, header = read_header(file, numbered)
     by = (_POINT,) if _POINT in header else _fields(names)
-    _require_columns(file, header, by)
-    table = [_Row(line, dict(zip(header, cells, strict=False))) for line, cells in rows[1:]]
+    _require_columns(file, header_line, header, by)
+    table = [
+        _Row(line, dict(zip(header, cells, strict=True)))
+        for part in parts(file, header, numbered, MOST_ROWS)
+        for line, cells in part
+    ]
     found = {_key(point, by, names): point for point in points}
     pairs = [(row, found[row.key(by)]) for row in table if row.key(by) in found]
     if not pairs:
@@ -100,6 +107,7 @@ def join_tables(
     numbers = [name for name in header if name != _POINT]
     return JoinedTable(
         {**_given(file, numbers, pairs), **_measured(file, pairs, u_mm)},
+        tuple(row.line for row, _ in pairs),
         tuple(point.name for point in points if point.name not in used),
         tuple(row.line for row in table if row.line not in taken),
     )
@@ -111,11 +119,13 @@ def _fields(names: str) -> Key:
     return tuple(field for field in _FIELDS if f"{{{field}}}" in names)
 
 
-def _require_columns(file: str, header: Sequence[str], by: Key) -> None:
+def _require_columns(file: str, line: int, header: Sequence[str], by: Key) -> None:
     for column in by:
         if column not in header:
             raise MissingEntryError(
-                f"column {column} is required: it says which point belongs to which row", file=file, line=1
+                f"column {column} is required: it says which point belongs to which row",
+                file=file,
+                line=line,
             )
 
 
@@ -136,7 +146,7 @@ def _pattern(names: str) -> str:
 
 def _plain(word: str) -> str:
     """Return a whole number without the zeros before it, and words as they are."""
-    return str(int(word)) if word.isascii() and word.isdecimal() else word
+    return (word.lstrip("0") or "0") if word.isascii() and word.isdecimal() else word
 
 
 def _given(
@@ -149,10 +159,9 @@ def _number(file: str, row: _Row, name: str) -> float:
     cell = row.cells.get(name, "").strip()
     if not cell:
         return float("nan")  # an empty cell, which the format's own reader judges
-    try:
-        return float(cell)
-    except ValueError as error:
-        raise BadValueError(f"{cell!r} is no number", file=file, line=row.line, column=name) from error
+    if not is_number(cell):
+        raise BadValueError(f"{shown(cell)} is no number", file=file, line=row.line, column=name)
+    return float(cell)
 
 
 def _measured(file: str, pairs: Pairs, u_mm: float | None) -> dict[str, FloatArray]:
@@ -199,16 +208,19 @@ def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign,
     found = join_tables(listed, joints.name, read_bytes(joints), names=stated.names, u_mm=stated.u_mm)
     described = {
         **campaign_keys(named_robot(stated.robot)),
-        "tool_nests_mm": [list(centre) for centre in stated.nests_mm] or _unknown(found),
+        "tool_nests_mm": [list(centre) for centre in stated.nests_mm]
+        or unknown_nests([found.columns.get("nest", found.ones())]),
         "tool_nest_u_mm": stated.nest_u_mm,
         "base_in_world_nominal": None,
     }
-    return campaign_from_arrays(described, {"calibration": {"nest": found.ones(), **found.columns}}), found
-
-
-def _unknown(found: JoinedTable) -> list[None]:
-    """Return as many nests of unknown place as the readings name."""
-    return [None] * int(max(found.columns.get("nest", found.ones())))
+    tables = {"calibration": {"nest": found.ones(), **found.columns}}
+    try:
+        return campaign_from_arrays(described, tables), found
+    except InputFileError as error:
+        if error.row is None:
+            raise
+        line = found.lines[error.row]
+        raise type(error)(error.sentence, file=joints.name, line=line, column=error.column) from error
 
 
 def read_stated(file: Path) -> Stated:

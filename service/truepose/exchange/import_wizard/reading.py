@@ -10,7 +10,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign
 from truepose.domain.robot import Robot
-from truepose.exchange.campaigns.description import read_day
+from truepose.exchange.campaigns.description import read_day, unknown_nests
 from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_from, campaign_from_arrays
 from truepose.exchange.document import json_document, read_bytes
 from truepose.exchange.errors import (
@@ -292,11 +292,13 @@ def _with_uncertainty(table: ImportedTable, u_mm: float | None) -> ImportedTable
 def _keys(robot: Robot, tables: Iterable[ImportedTable]) -> dict[str, Any]:
     """Return the keys of `campaign.json`: those of the robot, and nests and a base that are to be found."""
     ends = [
-        table.columns[name] for table in tables for name in ("nest", "tool_point") if name in table.columns
+        table.columns[name].astype(float)
+        for table in tables
+        for name in ("nest", "tool_point")
+        if name in table.columns
     ]
-    count = max((int(np.nanmax(end.astype(float))) for end in ends), default=1)
     return {
-        "tool_nests_mm": [None] * max(count, 1),
+        "tool_nests_mm": unknown_nests(ends),
         "tool_nest_u_mm": None,
         "base_in_world_nominal": None,
         **campaign_keys(robot),

@@ -4,14 +4,14 @@ import codecs
 import csv
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.tables.rows import MOST_COLUMNS, MOST_ROWS, read_text
+from truepose.exchange.tables.rows import LONGEST_LINE, MOST_COLUMNS, MOST_ROWS, read_text
 
-LONGEST_LINE: Final = 2**16
+_MOST_LINES: Final = 1_000_000  # with blank ones and notes
 _LOOKED_AT: Final = 60  # lines, to see what separates
 _BINARY: Final = {
     b"PK\x03\x04": "this is a workbook or an archive, not a table; save the sheet as CSV and bring that",
@@ -61,8 +61,10 @@ def _encoding(data: bytes) -> str:
 
 
 def lines_of(file: str, text: str) -> list[str]:
-    """Return the lines of a text; raises UnreadableFileError for one that nobody could have typed."""
-    lines = _LINE_END.split(text)
+    """Return the lines of a text; raises UnreadableFileError for what nobody could have typed."""
+    lines = _LINE_END.split(text, _MOST_LINES)
+    if len(lines) > _MOST_LINES:
+        raise UnreadableFileError(f"the file has more than {_MOST_LINES:,} lines", file=file)
     for number, line in enumerate(lines, start=1):
         if len(line) > LONGEST_LINE:
             raise UnreadableFileError(
@@ -124,7 +126,7 @@ def with_point(cell: str, mark: str) -> str:
 
 MOST_CELLS: Final = 4_000_000  # a quarter of a gigabyte as words
 _COMMENTS: Final = ("#", "//", "%", "!")
-_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _BLANK: Final = frozenset({"", "-", "na", "n/a", "nan", "null", "none"})
 _UNIT_CELL: Final = re.compile(
     r"[\[(]?\s*(?:[a-z\u00b5\u03bc\u00b0]{0,4}[a-z\u00b0\u00b2]|-)\s*[\])]?", re.IGNORECASE
@@ -190,9 +192,7 @@ def read_sheet(file: str, data: bytes, edits: Edits | None = None) -> Sheet:
     texts = _edited(lines_of(file, decode_text(file, data)), edits or {})
     kept = [(number, text) for number, text in enumerate(texts, start=1) if text.strip()]
     separator = separator_of([text for _, text in kept])
-    split = [(number, cells_of(text, separator)) for number, text in kept]
-    if sum(len(cells) for _, cells in split) > MOST_CELLS or len(split) > MOST_ROWS:
-        raise UnreadableFileError("the file has more cells than are read", file=file)
+    split = list(_split(file, kept, separator))
     mark = decimal_mark([cells for _, cells in split])
     plain = [(number, [with_point(cell, mark) for cell in cells]) for number, cells in split]
     first = _first_row(file, plain)
@@ -209,6 +209,19 @@ def read_sheet(file: str, data: bytes, edits: Edits | None = None) -> Sheet:
         lines=tuple(texts),
         above=above,
     )
+
+
+def _split(
+    file: str, lines: Sequence[tuple[int, str]], separator: str | None
+) -> Iterator[tuple[int, list[str]]]:
+    """Yield the cells of lines, counted as they come: of nothing but separators cells are the most."""
+    total = 0
+    for count, (number, text) in enumerate(lines, start=1):
+        cells = cells_of(text, separator)
+        total += len(cells)
+        if total > MOST_CELLS or count > MOST_ROWS:
+            raise UnreadableFileError("the file has more cells than are read", file=file)
+        yield number, cells
 
 
 def _edited(lines: list[str], edits: Edits) -> list[str]:

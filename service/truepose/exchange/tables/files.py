@@ -77,10 +77,12 @@ def visits_from(name: str, data: bytes) -> Mapping[str, Stated]:
 
 
 def _rows(name: str, numbered: Iterator[Numbered]) -> Iterator[tuple[int, str, Stated]]:
-    header = read_header(name, numbered)
+    header_line, header = read_header(name, numbered)
     for column in _COLUMNS:
         if column not in header:
-            raise MissingEntryError(f"column {column} is missing; it is required", file=name, line=1)
+            raise MissingEntryError(
+                f"column {column} is missing; it is required", file=name, line=header_line
+            )
     for part in parts(name, header, numbered, MOST_ROWS):
         for line, row in part:
             cells = dict(zip(header, (cell.strip() for cell in row), strict=True))

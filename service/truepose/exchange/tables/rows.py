@@ -9,15 +9,16 @@ import csv
 import io
 import itertools
 import re
+from collections import Counter
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
-from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.errors import BadValueError, UnreadableFileError
 
 _BEGINS_FORMULA: Final = re.compile(
     "'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]"
 )  # the wide ones compute as well
-_NUMBER: Final = re.compile(r"\s*[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?\s*")
+_NUMBER: Final = re.compile(r"\s*[+-]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?\s*")
 
 
 def written_text(text: str) -> str:
@@ -38,23 +39,26 @@ def _is_formula(text: str) -> bool:
 # A hundred times the largest campaign that was seen; beyond it a fit would take more memory than there is.
 MOST_ROWS: Final = 200_000
 MOST_COLUMNS: Final = 500  # an arm of seven joints with everything that the format knows has 50
-_LONGEST_LINE: Final = 2**16
+LONGEST_LINE: Final = 2**16
 _ROWS_AT_A_TIME: Final = 4096
 Numbered: TypeAlias = tuple[int, list[str]]  # line and cells of a row
 
 
-def read_header(file: str, numbered: Iterator[Numbered]) -> list[str]:
-    """Return the names of the columns, from the first row."""
+def read_header(file: str, numbered: Iterator[Numbered]) -> Numbered:
+    """Return the line of the first row, and the names of the columns in it, each of them once."""
     first = next(numbered, None)
     if first is None:
         raise UnreadableFileError("the file is empty; a header line and rows are required", file=file)
-    header = [name.strip() for name in first[1]]
+    line, header = first[0], [name.strip() for name in first[1]]
     if len(header) > MOST_COLUMNS:
         raise UnreadableFileError(
-            f"{len(header)} columns are more than the {MOST_COLUMNS} that are read", file=file, line=first[0]
+            f"{len(header)} columns are more than the {MOST_COLUMNS} that are read", file=file, line=line
         )
-    _check_separator(file, first[0], header)
-    return header
+    _check_separator(file, line, header)
+    twice = next((name for name, count in Counter(filter(None, header)).items() if count > 1), None)
+    if twice is not None:
+        raise BadValueError("the column appears twice; keep one", file=file, line=line, column=twice)
+    return line, header
 
 
 def parts(
@@ -98,10 +102,10 @@ def _lines(file: str, data: bytes) -> Iterator[str]:
     try:
         for number in itertools.count(1):
             # A file without line ends would otherwise be one line of 128 MB, and a cell of it.
-            line = stream.readline(_LONGEST_LINE + 1)
-            if len(line) > _LONGEST_LINE:
+            line = stream.readline(LONGEST_LINE + 1)
+            if len(line) > LONGEST_LINE:
                 raise UnreadableFileError(
-                    f"the line has more than {_LONGEST_LINE:,} characters", file=file, line=number
+                    f"the line has more than {LONGEST_LINE:,} characters", file=file, line=number
                 )
             if not line:
                 return

@@ -18,11 +18,12 @@ from truepose.exchange.errors import BadValueError, MissingEntryError, Unreadabl
 from truepose.exchange.quantities import in_other_unit, limits_of, unit, unit_sentence
 from truepose.exchange.tables.rows import MOST_ROWS, numbered_rows, parts, read_header
 
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _ONE_NUMBER = re.compile(_NUMBER)
 _ALL_NUMBERS = re.compile(rf"(?:{_NUMBER}\n)++")
 _NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
 _LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
+_MOST_LISTED = 20  # numbers that a sentence names
 _KINDS_OF_NUMBERS = "fiub"  # of arrays: floats, whole numbers, truth values
 Arrays: TypeAlias = Mapping[str, npt.NDArray[np.generic]]  # columns of equal length by name
 TableData: TypeAlias = bytes | Arrays  # the text of a file, or what a program has in memory
@@ -56,7 +57,8 @@ def between(least: int, greatest: int) -> Rule:
 def one_of(numbers: Collection[int], what: str) -> Rule:
     """Return the rule that numbers are among `numbers`, which are `what`."""
     allowed = np.array(sorted(numbers), float)
-    listed = ", ".join(str(number) for number in sorted(numbers))
+    first, last = sorted(numbers)[:_MOST_LISTED], sorted(numbers)[_MOST_LISTED:][-1:]
+    listed = ", ".join(map(str, [*first, *(["...", *last] if last else [])]))
     known = f": {listed}" if numbers else ", of which there are none"
     return Rule(lambda v: np.isin(v, allowed), f"must be one of {what}{known}")
 
@@ -84,15 +86,15 @@ class Table:
     lines: IntArray
     values: Mapping[str, FloatArray]
     unlisted: tuple[str, ...]  # names of columns that the format does not know
-    counted: Counted = "line"  # what `lines` holds
+    header_line: int | None  # where the names of the columns stand; None for arrays
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
 
     @property
-    def header_line(self) -> int | None:
-        """Where the names of the columns stand; None for arrays."""
-        return 1 if self.counted == "line" else None
+    def counted(self) -> Counted:
+        """What `lines` holds."""
+        return "row" if self.header_line is None else "line"
 
     def numbers(self, name: str) -> FloatArray:
         """Return a column that is there, shape (n,)."""
@@ -178,8 +180,8 @@ def table_parts(
         yield TablePart(_table_of_arrays(file, data, columns, together, passed_over), data)
         return
     numbered = numbered_rows(file, data)
-    header = read_header(file, numbered)
-    _check_header(file, header, columns, together, line=1)
+    header_line, header = read_header(file, numbered)
+    _check_header(file, header, columns, together, line=header_line)
     wanted = [column for column in columns if column.name in header]
     unlisted = _unlisted(header, columns, passed_over)
     lines = np.zeros(0, np.int64)
@@ -187,7 +189,7 @@ def table_parts(
         cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
         lines = np.array([line for line, _ in rows], np.int64)
         values = _convert(file, wanted, header, ("line", lines), cells)
-        yield TablePart(Table(file, lines, values, unlisted), cells)
+        yield TablePart(Table(file, lines, values, unlisted, header_line), cells)
     if not lines.size:
         raise UnreadableFileError("the file has a header and no rows", file=file)
 
@@ -206,12 +208,12 @@ def _table_of_arrays(
     if not rows.size:
         raise UnreadableFileError("the table has no rows", file=file)
     values = _convert(file, wanted, header, ("row", rows), arrays)
-    return Table(file, rows, values, _unlisted(header, columns, passed_over), "row")
+    return Table(file, rows, values, _unlisted(header, columns, passed_over), None)
 
 
 def column_names(file: str, data: TableData) -> tuple[str, ...]:
     """Return the names of the columns: of a CSV text those in its header line."""
-    return tuple(read_header(file, numbered_rows(file, data)) if isinstance(data, bytes) else data)
+    return tuple(read_header(file, numbered_rows(file, data))[1] if isinstance(data, bytes) else data)
 
 
 def _unlisted(
@@ -229,11 +231,7 @@ def _check_header(
     *,
     line: int | None,
 ) -> None:
-    seen: set[str] = set()
-    for name in filter(None, header):
-        if name in seen:
-            raise BadValueError("the column appears twice; keep one", file=file, line=line, column=name)
-        seen.add(name)
+    seen = set(header)
     for column in columns:
         if column.name not in seen:
             _check_absent(file, column, seen, line)
@@ -362,24 +360,30 @@ def _fault(column: Column, cell: str) -> str | None:
     if not cell:
         return f"the cell is empty; {'a word' if column.words else 'a number'} is required"
     if column.words:
-        return None if cell in column.words else f"{_shown(cell)} must be {' or '.join(column.words)}"
-    if cell.lower() in _NOT_FINITE or (_ONE_NUMBER.fullmatch(cell) and not np.isfinite(float(cell))):
-        return f"{_shown(cell)} is not a finite number"
-    if _ONE_NUMBER.fullmatch(cell):
+        return None if cell in column.words else f"{shown(cell)} must be {' or '.join(column.words)}"
+    if cell.lower() in _NOT_FINITE or (is_number(cell) and not np.isfinite(float(cell))):
+        return f"{shown(cell)} is not a finite number"
+    if is_number(cell):
         limits = limits_of(column.name)
         if limits.accepts(float(cell)):
             return None
-        return f"{limits.fault(float(cell), _shown(cell))}, or remove the row"
-    hint = "; the decimal point is ." if _ONE_NUMBER.fullmatch(cell.replace(",", ".")) else ""
-    return f"{_shown(cell)} is not a number{hint}"
+        return f"{limits.fault(float(cell), shown(cell))}, or remove the row"
+    hint = "; the decimal point is ." if is_number(cell.replace(",", ".")) else ""
+    return f"{shown(cell)} is not a number{hint}"
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is written as a number with a point, which may still be no finite one."""
+    return _ONE_NUMBER.fullmatch(cell) is not None
 
 
 def _first(bad: BoolArray, cells: Cells, must: str) -> tuple[int, str] | None:
     if not bad.any():
         return None
     row = int(np.argmax(bad))
-    return row, f"{_shown(str(cells[row]).strip())} {must}"
+    return row, f"{shown(str(cells[row]).strip())} {must}"
 
 
-def _shown(cell: str) -> str:
+def shown(cell: str) -> str:
+    """Return a cell as a sentence names it, cut where it is long."""
     return repr(cell if len(cell) <= 30 else cell[:27] + "...")

@@ -282,6 +282,25 @@ def test_a_wrong_line_is_corrected_or_left_out_and_the_rest_goes_on(edit):
     assert edit in {None, good}
 
 
+@pytest.mark.parametrize(
+    ("nest", "said"),
+    [
+        ("3000000", "must be one of the tool nests: 1, 2, 3"),
+        ("1e300", "too large for any quantity"),
+        ("-1", "must be one of the tool nests"),
+        ("1.5", "must be a whole number"),
+    ],
+)
+def test_a_nest_that_nobody_has_is_shown_in_its_line_and_costs_nothing(nest, said):
+    lines = plain().decode().splitlines()
+    lines[3] = ",".join([*lines[3].split(",")[:7], nest, *lines[3].split(",")[8:]])
+
+    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, ROBOT).understood.fault
+
+    assert (fault.line, fault.column) == (4, 7)
+    assert said in fault.sentence
+
+
 def test_what_a_person_says_of_a_column_counts_more_than_its_name():
     joints, nest, places = readings()
     data = table([*JOINTS, "a", "b", "c", "nest"], np.column_stack([joints, places, nest]))

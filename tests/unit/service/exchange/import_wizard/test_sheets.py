@@ -85,6 +85,7 @@ def test_a_corrected_line_counts_and_one_left_out_does_not():
         (b"", "no table of numbers"),
         (b"a,b,c\n" + b"1" * (LONGEST_LINE + 1), "characters"),
         (b",".join([b"1"] * 501), "columns"),
+        (b"\n" * 1_000_001, "more than 1,000,000 lines"),
     ],
 )
 def test_what_is_no_table_is_refused_in_a_sentence(data, words):

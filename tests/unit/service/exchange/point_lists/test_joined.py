@@ -5,8 +5,8 @@ import pytest
 
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.point_list import NamedPoint
-from truepose.exchange.campaigns.points_with_joints import join_tables
-from truepose.exchange.errors import BadValueError, MissingEntryError
+from truepose.exchange.campaigns.points_with_joints import Stated, import_points, join_tables
+from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError
 
 JOINTS = "config,q1_deg,q2_deg\n1,10,20\n2,11,21\n3,12,22\n"
 
@@ -73,6 +73,11 @@ def test_an_empty_cell_is_left_to_the_format():
         (points("P7"), JOINTS, {}, MissingEntryError, "points are called 'P7', rows have config 1, 2, 3"),
         (points("1"), "q1_deg\n10\n", {}, MissingEntryError, "column config is required"),
         (points("1"), "config,q1_deg\n1,ten\n", {}, BadValueError, "line 2, column q1_deg: 'ten'"),
+        (points("1"), "config,q1_deg\n1,1_0\n", {}, BadValueError, "line 2, column q1_deg: '1_0'"),
+        (points("1"), "config,q1_deg\n1,inf\n", {}, BadValueError, "line 2, column q1_deg: 'inf'"),
+        (points("1"), "config,q1_deg,q1_deg\n1,1,2\n", {}, BadValueError, "the column appears twice"),
+        (points("1"), "config,q1_deg\n1\n", {}, UnreadableFileError, "line 2: 1 cells stand where"),
+        (points("1"), "\nq1_deg\n10\n", {}, MissingEntryError, "line 2: column config is required"),
         (points("1"), JOINTS, {"names": "P*"}, ConfigurationError, "where {config} stands"),
     ],
 )
@@ -81,3 +86,28 @@ def test_what_cannot_be_joined_is_one_sentence(listed, table, options, error, sa
         join(listed, table, **options)
 
     assert said in str(refused.value)
+
+
+def test_a_number_of_thousands_of_digits_names_a_configuration_that_is_not_there():
+    assert join(points("1", "7" * 5000)).points_alone == ("7" * 5000,)
+
+
+@pytest.mark.parametrize(
+    ("nest", "said"),
+    [
+        ("3e6", "'3000000.0' must be one of the tool nests: 1"),
+        ("", "the cell is empty"),
+        ("-1", "must be one of"),
+    ],
+)
+def test_a_nest_that_nobody_has_is_refused_and_costs_nothing(tmp_path, nest, said):
+    (tmp_path / "points.txt").write_text("P1 1.5 2.5 3.5\n")
+    angles = ",".join(f"q{k}_deg" for k in range(1, 7))
+    (tmp_path / "joints.csv").write_text(f"config,nest,{angles}\n1,{nest},1,2,3,4,5,6\n")
+    stated = Stated("abb-irb-120", unit="mm", u_mm=0.02)
+
+    with pytest.raises(BadValueError, match=said) as refused:
+        import_points(tmp_path / "points.txt", tmp_path / "joints.csv", stated)
+
+    place = refused.value.file, refused.value.line, refused.value.column
+    assert place == ("joints.csv", 2, "nest")

@@ -93,6 +93,12 @@ def test_uncertainties_count_where_a_header_names_them():
         ("P1 1 2 3\nP1 4 5 6\n", BadValueError, "line 2: point 'P1' stands in line 1 too"),
         ("P1 1 2 3\nP2 1 2 nan\n", BadValueError, "line 2: 'nan' is no coordinate"),
         ("P1 1 2 3\nP2 1 2 1e999\n", BadValueError, "line 2: '1e999' is no coordinate"),
+        (
+            f"P1,1,2,{'3' * 140_000}\n",
+            UnreadableFileError,
+            "line 1: the line has more than 65,536 characters",
+        ),
+        (f"P1 1 2 {'3' * 5000}\n", BadValueError, "...' is no coordinate"),
         ("\0\0P1 1 2 3\n", UnreadableFileError, "no text"),
     ],
 )

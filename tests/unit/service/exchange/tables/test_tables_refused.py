@@ -10,6 +10,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
+from truepose.exchange.tables.files import visits_from
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
 ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.02", "3,6,16,26,1,120,220,320,0.02")
@@ -148,6 +149,19 @@ def test_a_column_that_appears_twice_is_refused():
     text = points().replace("y_mm", "x_mm")
 
     require_refused(text, BadValueError, (1, "x_mm"), "the column appears twice")
+
+
+def test_the_header_is_named_by_its_own_line_where_blank_ones_stand_above():
+    text = "\n,,\n" + points().replace("u_mm", "sigma")
+
+    require_refused(text, MissingEntryError, (3, None), "column u_mm is missing")
+
+
+def test_a_table_of_visits_with_a_heading_twice_is_refused():
+    with pytest.raises(BadValueError, match="the column appears twice") as refusal:
+        visits_from("visits.csv", b"campaign,robot,instrument,day,day\na,1,2,2026-03-03,\n")
+
+    assert (refusal.value.line, refusal.value.column) == (1, "day")
 
 
 def require_refused(text, kind, place, sentence):
