@@ -16,6 +16,8 @@ from xml.parsers import expat
 
 from truepose.exchange.document import read_bytes
 from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.tables.table_reader import is_number
+from truepose.exchange.xml_text import read_xml
 
 _LARGEST_BYTES: Final = 64 << 20  # a test of 1000 readings a second for ten minutes is 20 MB of text
 _TEXTS: Final[Mapping[str, str]] = {
@@ -46,10 +48,7 @@ class Feature:
     @property
     def value(self) -> float | None:
         """The number, where it is one."""
-        try:
-            value = float(self.text)
-        except ValueError:
-            return None
+        value = float(self.text) if is_number(self.text) else math.nan
         return value if math.isfinite(value) else None
 
 
@@ -82,12 +81,7 @@ def ballbar_result_from_bytes(data: bytes, name: str) -> BallbarResult:
     parser.StartElementHandler = reader.begin
     parser.EndElementHandler = reader.end
     parser.CharacterDataHandler = reader.text
-    parser.StartDoctypeDeclHandler = reader.refuse_doctype
-    try:
-        parser.Parse(data, True)
-    except expat.ExpatError as error:
-        reason = expat.errors.messages[error.code]
-        raise UnreadableFileError(f"{_NOT_XML} ({reason})", file=name, line=error.lineno) from error
+    read_xml(parser, name, data, _NOT_XML)
     return reader.result()
 
 
@@ -122,10 +116,6 @@ class _Reader:
             self._keep(_TEXTS[name], text)
         elif name == _FEATURE:
             self._features.append(Feature(attributes.get("NAME", ""), attributes.get("DT", ""), text))
-
-    def refuse_doctype(self, *_: object) -> None:
-        """Refuse what could make a small file a large one."""
-        raise UnreadableFileError("declares a document type, which no result file does", file=self._file)
 
     def result(self) -> BallbarResult:
         """Return what was found; raises UnreadableFileError for an XML file of something else."""

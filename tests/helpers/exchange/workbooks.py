@@ -71,5 +71,5 @@ def workbook(sheets, target="worksheets/sheet{}.xml", state="visible", head="", 
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in parts.items():
-            archive.writestr(name, _HEAD + text)
+            archive.writestr(name, text if text.startswith("<?xml") else _HEAD + text)
     return stream.getvalue()

@@ -15,13 +15,19 @@ from xml.parsers import expat
 from truepose.exchange.campaigns.zip_file import read_zip_files
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.tables.rows import MOST_COLUMNS, MOST_ROWS
+from truepose.exchange.tables.table_reader import is_number
+from truepose.exchange.xml_text import read_xml
 
 SUFFIXES: Final = frozenset({".xlsx", ".xlsm"})
 _MOST_CELLS: Final = 4_000_000
+_MOST_CHARACTERS: Final = 2**26  # of all cells: a text that they share counts in each of them
+_LONGEST_FORM: Final = 255  # characters of a form of numbers, by the spreadsheets themselves
 _BOOK: Final = "xl/workbook.xml"
 _CELL: Final = re.compile(r"([A-Z]{1,3})([1-9][0-9]{0,6})", re.ASCII)
+_WHOLE: Final = re.compile(r"[0-9]{1,9}")
 _TITLE: Final = re.compile(r"[^\w \-.]+")
-_BUILT_IN_DATES: Final = frozenset({*range(14, 23), *range(27, 37), 45, 46, 47, *range(50, 59)})  # 18.8.30
+# By their numbers (18.8.30).
+_BUILT_IN_DATES: Final = frozenset(map(str, (*range(14, 23), *range(27, 37), 45, 46, 47, *range(50, 59))))
 _NOT_OF_DATES: Final = re.compile(r'"[^"]*"|\\.|\[[^\]]*\]|General', re.IGNORECASE)
 _OF_DATES: Final = re.compile(r"[dmyhs]", re.IGNORECASE)
 # Spreadsheets take 1900 for a leap year: counted from here, days from March 1900 on are right.
@@ -39,6 +45,13 @@ class _Book:
     texts: list[str] = field(default_factory=list)
     dated: list[bool] = field(default_factory=list)  # by style
     from_1904: bool = False
+    characters: int = 0  # of all cells so far
+
+    def count(self, characters: int) -> None:
+        """Count what cells hold; raises UnreadableFileError where it is more than is read."""
+        self.characters += characters
+        if self.characters > _MOST_CHARACTERS:
+            raise UnreadableFileError("its cells have more text than is read", file=self.name)
 
 
 def is_workbook(path: str, data: bytes) -> bool:
@@ -87,6 +100,8 @@ def _sheets(book: _Book) -> list[tuple[str, str]]:
 
     _read(book, "xl/_rels/workbook.xml.rels", relation)
     _read(book, _BOOK, sheet)
+    if len({part for _, part in sheets}) < len(sheets):
+        raise UnreadableFileError("two sheets of the workbook are the same part of it", file=book.name)
     return sheets
 
 
@@ -111,7 +126,7 @@ def _shared_texts(book: _Book) -> Iterator[str]:
 
     if "xl/sharedStrings.xml" in book.parts:
         _read(book, "xl/sharedStrings.xml", begin, end, letters)
-    return ("".join(parts) for parts in told)
+    return (" ".join("".join(parts).split()) for parts in told)
 
 
 def _dated_styles(book: _Book) -> Iterator[bool]:
@@ -134,11 +149,11 @@ def _dated_styles(book: _Book) -> Iterator[bool]:
 
     if "xl/styles.xml" in book.parts:
         _read(book, "xl/styles.xml", begin, end)
-    return (forms.get(one, one.isdecimal() and int(one) in _BUILT_IN_DATES) for one in used)
+    return (forms.get(one, one in _BUILT_IN_DATES) for one in used)
 
 
 def _is_of_dates(code: str) -> bool:
-    return _OF_DATES.search(_NOT_OF_DATES.sub("", code.split(";")[0])) is not None
+    return _OF_DATES.search(_NOT_OF_DATES.sub("", code[:_LONGEST_FORM].split(";")[0])) is not None
 
 
 class _Cells:
@@ -151,11 +166,10 @@ class _Cells:
         self._said: Mapping[str, str] = {}
         self._value: list[str] = []
         self._formula = self._within = False
-        self._left = _MOST_CELLS
 
     def begin(self, tag: str, said: Mapping[str, str]) -> None:
         if tag == "row":
-            self._place = (int(said.get("r", self._place[0] + 1)), 0)
+            self._place = (self._whole(said.get("r", str(self._place[0] + 1))), 0)
         elif tag == "c":
             self._place = self._placed(said.get("r"))
             self._said, self._value, self._formula = said, [], False
@@ -188,12 +202,34 @@ class _Cells:
                     "a formula has come to nothing yet; open the book in its program and save it"
                 )
             return
-        self._left -= 1
-        if row > MOST_ROWS or column > MOST_COLUMNS or self._left < 0:
+        if not 0 < row <= MOST_ROWS or column > MOST_COLUMNS:
             raise self._refused("the sheet has more cells than are read")
+        text = self._shown(value)
+        self._book.count(len(text))
         # By place and not in a grid: two cells in far corners must not cost what lies between them (decision
         # 0055).
-        self.rows.setdefault(row, {})[column] = _shown(self._book, self._said, value)
+        self.rows.setdefault(row, {})[column] = text
+
+    def _shown(self, value: str) -> str:
+        """Return a cell as text: days as dates, all else as it is written."""
+        kind, style = self._said.get("t", "n"), self._whole(self._said.get("s", "0"))
+        dated = kind == "n" and self._book.dated[style : style + 1] == [True]
+        if kind == "s":
+            return self._shared(value)
+        if dated and is_number(value):
+            value = _date(float(value) + (_DAYS_OF_1904 if self._book.from_1904 else 0))
+        return " ".join(value.split())
+
+    def _shared(self, value: str) -> str:
+        number = self._whole(value)
+        if number >= len(self._book.texts):
+            raise self._refused(f"a cell cannot be read: the workbook has no text {number}")
+        return self._book.texts[number]
+
+    def _whole(self, text: str) -> int:
+        if not _WHOLE.fullmatch(text):
+            raise self._refused(f"a cell cannot be read: {text[:30]!r} is no number of a row, style or text")
+        return int(text)
 
     def _refused(self, sentence: str) -> UnreadableFileError:
         return UnreadableFileError(sentence, file=self._book.name, line=self._place[0])
@@ -204,16 +240,6 @@ def _column(letters: str) -> int:
     for letter in letters:
         number = 26 * number + ord(letter) - ord("A") + 1
     return number
-
-
-def _shown(book: _Book, said: Mapping[str, str], value: str) -> str:
-    """Return a cell as text: days as dates, all else as it is written."""
-    kind, style = said.get("t", "n"), int(said.get("s", "0"))
-    if kind == "s":
-        value = book.texts[int(value)]
-    elif kind == "n" and style < len(book.dated) and book.dated[style]:
-        value = _date(float(value) + (_DAYS_OF_1904 if book.from_1904 else 0))
-    return " ".join(value.split())
 
 
 def _date(days: float) -> str:
@@ -229,10 +255,10 @@ def _date(days: float) -> str:
 def _rows(book: _Book, part: str) -> list[list[str]]:
     """Return the rows of a sheet from its first one, with empty cells where there are none."""
     cells = _Cells(book)
-    try:
-        _read(book, part, cells.begin, cells.end, cells.letters)
-    except (ValueError, IndexError) as error:
-        raise UnreadableFileError(f"a cell of {part} cannot be read ({error})", file=book.name) from error
+    _read(book, part, cells.begin, cells.end, cells.letters)
+    # Blank cells before others are text in the end, and count.
+    if sum(max(row) for row in cells.rows.values()) > _MOST_CELLS:
+        raise UnreadableFileError("the sheet has more cells than are read", file=book.name)
     rows = [cells.rows.get(number, {}) for number in range(1, max(cells.rows, default=0) + 1)]
     return [[row.get(column, "") for column in range(1, max(row, default=0) + 1)] for row in rows]
 
@@ -256,20 +282,12 @@ def _read(
     """Read a part of a workbook, its names without their namespaces."""
     if part not in book.parts:
         raise UnreadableFileError(f"the workbook has no part {part}", file=book.name)
-
-    def refuse(*_: object) -> None:  # no spreadsheet declares anything, and entities could grow without end
-        raise UnreadableFileError(f"{part} is not as a spreadsheet writes it", file=book.name)
-
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
-    parser.StartDoctypeDeclHandler = refuse
     parser.StartElementHandler = lambda tag, said: begin(_bare(tag), {_bare(k): v for k, v in said.items()})
     parser.EndElementHandler = lambda tag: end(_bare(tag))
     parser.CharacterDataHandler = letters
-    try:
-        parser.Parse(book.parts[part], True)
-    except expat.ExpatError as error:
-        raise UnreadableFileError(f"{part} of the workbook is damaged ({error})", file=book.name) from error
+    read_xml(parser, book.name, book.parts[part], f"{part} of the workbook is damaged")
 
 
 def _bare(tag: str) -> str:

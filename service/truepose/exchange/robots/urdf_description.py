@@ -12,6 +12,8 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import BadValueError, InputFileError, MissingEntryError, UnreadableFileError
 from truepose.exchange.quantities import limits_of
+from truepose.exchange.tables.table_reader import is_number
+from truepose.exchange.xml_text import read_xml
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
 
 _DEEPEST: Final = 100  # no description of a robot nests deeper than ten
@@ -55,15 +57,10 @@ def parse_xml(file: str, data: bytes) -> Element:
     Raises
     ------
     UnreadableFileError
-        It is no XML, is cut off, nests without end, or declares a document type: entities of one could grow
-        without end or name files of the machine.
+        It is no XML, is cut off, nests without end, or declares a document type.
     """
     tree = _Tree(file)
-    try:
-        tree.parser.Parse(data, True)
-    except expat.ExpatError as error:
-        reason = expat.ErrorString(error.code)
-        raise UnreadableFileError(f"this is not XML: {reason}", file=file, line=error.lineno) from error
+    read_xml(tree.parser, file, data, "this is not XML")
     return tree.root
 
 
@@ -76,7 +73,6 @@ class _Tree:
         self.parser = expat.ParserCreate()
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
-        self.parser.StartDoctypeDeclHandler = self._refuse_document_type
 
     @property
     def root(self) -> Element:
@@ -91,13 +87,6 @@ class _Tree:
 
     def _end(self, _tag: str) -> None:
         self._open.pop()
-
-    def _refuse_document_type(self, *_declared: object) -> None:
-        raise UnreadableFileError(
-            "the file declares a document type, which no robot needs; remove the line with <!DOCTYPE",
-            file=self._file,
-            line=self.parser.CurrentLineNumber,
-        )
 
 
 _MM_PER_M: Final = 1000.0
@@ -278,10 +267,7 @@ def _numbers(element: Element, name: str, absent: tuple[float, ...]) -> tuple[fl
 
 
 def _number(element: Element, word: str) -> float:
-    try:
-        number = float(word)
-    except ValueError:
-        number = math.nan
+    number = float(word) if is_number(word) else math.nan
     if not math.isfinite(number):
         element.fail(f"{word[:40]!r} is not a number")
     _require_plausible(element, number, "")

@@ -64,7 +64,7 @@ def test_other_encodings_of_windows_programs_are_read():
     assert read(text, encoding="utf-16").operator == "M. Müller"
 
 
-@pytest.mark.parametrize("number", ["nan", "inf", "4,6", ""])
+@pytest.mark.parametrize("number", ["nan", "inf", "4,6", "4_6", "1e999", ""])
 def test_a_text_that_is_no_number_has_no_value(number):
     assert read(RESULT.replace(">4.6<", f">{number}<")).features[0].value is None
 
@@ -76,6 +76,7 @@ def test_a_text_that_is_no_number_has_no_value(number):
         ("config,x_mm\n1,2\n", "line 1: is no result"),
         (RESULT[:300], "no result of a ballbar test"),
         ("<html><body/></html>", "no result of a ballbar test"),
+        (RESULT.replace('encoding="utf-8"', 'encoding="banana"'), "its encoding is not known"),
         ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "document type"),
     ],
 )

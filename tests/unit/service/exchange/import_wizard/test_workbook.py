@@ -100,6 +100,13 @@ def test_a_text_in_several_looks_is_one_and_how_it_is_read_is_none_of_it():
     assert text_of(["x"], also={"xl/sharedStrings.xml": rich}) == ["x [mm]"]
 
 
+def sheet(rows):
+    """Return a workbook of one sheet with these rows."""
+    return workbook({"S": []}, also={"xl/worksheets/sheet1.xml": f"<worksheet>{rows}</worksheet>"})
+
+
+FAR = range(1, 8002)  # rows whose only cell is the last that is read
+BANANA = '<?xml version="1.0" encoding="banana"?><styleSheet/>'
 BOMB = '<!DOCTYPE sst [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><sst><si><t>&b;</t></si></sst>'
 
 
@@ -109,21 +116,22 @@ BOMB = '<!DOCTYPE sst [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><sst><si
         (workbook({"S": [["<c><f>A1*2</f></c>"]]}), "a formula has come to nothing yet"),
         (
             workbook({"S": [['<c t="s"><v>7</v></c>']]}, also={"xl/sharedStrings.xml": "<sst/>"}),
-            "cannot be read",
+            "cannot be read: the workbook has no text 7",
         ),
-        (workbook({"S": [["x"]]}, also={"xl/sharedStrings.xml": BOMB}), "not as a spreadsheet writes it"),
+        (workbook({"S": [["last", '<c t="s"><v>-1</v></c>']]}), "cannot be read: '-1' is no number"),
+        (workbook({"S": [['<c s="-1"><v>46146</v></c>']]}), "cannot be read: '-1' is no number"),
+        (workbook({"S": [['<c t="s"><v>' + "7" * 5000 + "</v></c>"]]}), "cannot be read: '777"),
+        (sheet('<row r="-5"><c><v>1</v></c></row>'), "cannot be read: '-5' is no number"),
+        (sheet("".join(f'<row r="{k}"><c r="SF{k}"><v>1</v></c></row>' for k in FAR)), "more cells than are"),
+        (sheet('<row r="0"><c><v>1</v></c></row>'), "more cells than are read"),
+        (workbook({"S": [["x" * 2**18], *[['<c t="s"><v>0</v></c>'] * 256]]}), "more text than is read"),
+        (workbook({"S": [["x"]]}, also={"xl/styles.xml": BANANA}), "its encoding is not known"),
+        (workbook({"S": [["x"]], "T": [["x"]]}, target="worksheets/sheet1.xml"), "are the same part"),
+        (workbook({"S": [["x"]]}, also={"xl/sharedStrings.xml": BOMB}), "declares a document type"),
         (workbook({"S": [["x"]]}, also={"xl/worksheets/sheet1.xml": "<worksheet><row>"}), "is damaged"),
         (workbook({"S": [["x"]]}, target="worksheets/other{}.xml"), "has no part xl/worksheets/other1.xml"),
         (workbook({"S": [["x"]]})[:-30], "not a whole zip file"),
-        (
-            workbook(
-                {"S": []},
-                also={
-                    "xl/worksheets/sheet1.xml": '<worksheet><row r="300000"><c><v>1</v></c></row></worksheet>'
-                },
-            ),
-            "more cells than are read",
-        ),
+        (sheet('<row r="300000"><c><v>1</v></c></row>'), "more cells than are read"),
     ],
     ids=lambda told: told if isinstance(told, str) else "workbook",  # the bytes of a zip hold the time
 )
