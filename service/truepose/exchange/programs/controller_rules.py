@@ -165,7 +165,7 @@ class StatedBranch:
     def counts_turns(self, words: str) -> bool:
         """Whether a number that counts turns is not 0."""
         named, numbers = _parts(words)
-        return any(int(number) for number in (numbers if named else numbers[_OF_RCONF:]))
+        return any(number.strip("+-0") for number in (numbers if named else numbers[_OF_RCONF:]))
 
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether the target names external axes: only those that are there are written."""
@@ -290,12 +290,15 @@ def _signed(angle_rad: float, negative: bool, axis: int, limit: JointRange | Non
     return other if inside else None
 
 
+_WHOLE_NUMBER: Final = re.compile(
+    r"'B([01]{1,64})'|'H([0-9A-F]{1,16})'|([-+]?[0-9]{1,18})", re.ASCII | re.IGNORECASE
+)
+_BASES: Final = (2, 16, 10)
+
+
 def whole_number(text: str) -> int | None:
     """Return what 19, 'B010011' or 'H13' are; None for anything else."""
-    base, digits = 10, text
-    if text[:2].upper() in ("'B", "'H") and text.endswith("'"):
-        base, digits = (2 if text[1].upper() == "B" else 16), text[2:-1]
-    try:
-        return int(digits, base)
-    except ValueError:
+    found = _WHOLE_NUMBER.fullmatch(text)
+    if found is None or found.lastindex is None:
         return None
+    return int(found[found.lastindex], _BASES[found.lastindex - 1])

@@ -7,7 +7,7 @@ used with several tools or work objects, because one set of numbers cannot be ri
 What is set in a branch holds only there; what is set in a loop may also hold when it begins again.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, TypeAlias
 
@@ -253,15 +253,28 @@ class Step:
     sets: frozenset[str] = frozenset()
 
 
-def set_within(steps: Sequence[Step], at: int) -> set[str]:
-    """Return what is set between the line that enters a branch and the one that leaves it."""
-    depth, found = 0, set[str]()
-    for step in steps[at:]:
-        depth += step.deeper
-        found |= step.sets
-        if depth == 0:
-            break
+def sets_within(steps: Iterable[Step]) -> list[set[str]]:
+    """Return for each line what is set up to the one that leaves the branch that it enters."""
+    found: list[set[str]] = []
+    opened: list[set[str]] = []
+    for step in steps:
+        found.append(set(step.sets))
+        if step.deeper > 0:
+            opened.append(found[-1])
+        elif opened:
+            opened[-1] |= step.sets
+            if step.deeper < 0:
+                _close(opened)
+    while opened:  # by the end of the text
+        _close(opened)
     return found
+
+
+def _close(opened: list[set[str]]) -> None:
+    """Leave the innermost branch: what is set in it is set in the one around it."""
+    inner = opened.pop()
+    if opened:
+        opened[-1] |= inner
 
 
 class FramesInUse:

@@ -201,6 +201,8 @@ class ProgramOptions:
 
 
 _LIMITS: Final = limits_of("number")
+_LONGEST_SHOWN: Final = 40
+_MOST_SHIFT: Final = 400.0  # of the point: what is shifted further is 0, or larger than any number
 _LINE_END: Final = re.compile(r"\r\n|\n|\r")
 _WIDE: Final = (b"\xff\xfe", b"\xfe\xff")
 _MARK: Final = b"\xef\xbb\xbf"  # that a text is UTF-8
@@ -292,10 +294,12 @@ class Source:
         written = "".join(self.text[start:end].split())  # a sign may stand apart
         value = float(written)
         if not _LIMITS.accepts(value):
-            self.refuse(_LIMITS.fault(value, written), start)
+            shown = written if len(written) <= _LONGEST_SHOWN else f"{written[:_LONGEST_SHOWN]}..."
+            self.refuse(_LIMITS.fault(value, shown), start)
         digits, _, exponent = written.lower().partition("e")
         _, _, places = digits.partition(".")
-        return Number(start, end, value, max(len(places) - int(exponent or 0), 0))
+        shift = max(-_MOST_SHIFT, min(_MOST_SHIFT, float(exponent or 0)))
+        return Number(start, end, value, max(len(places) - int(shift), 0))
 
     def fail(self, sentence: str, at: int, kind: type[InputFileError] = UnreadableFileError) -> NoReturn:
         """Raise `kind` at a place."""

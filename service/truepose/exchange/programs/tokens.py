@@ -19,6 +19,7 @@ _KINDS: Final[Mapping[str, Kind]] = {
 _CLOSES: Final = {")": "(", "]": "[", "}": "{"}
 _OPENS: Final = frozenset(_CLOSES.values())
 _LONGEST_SHOWN: Final = 60
+_DEEPEST: Final = 50  # brackets in each other: nobody writes ten
 
 
 class Token(NamedTuple):
@@ -108,6 +109,8 @@ def statements(
 def _count(source: Source, token: Token, opened: list[Token]) -> None:
     if token.text in _OPENS:
         opened.append(token)
+        if len(opened) > _DEEPEST:
+            source.fail("brackets are nested too deep", token.start)
     elif token.text in _CLOSES:
         if not opened or opened[-1].text != _CLOSES[token.text]:
             source.fail(f"{token.text} closes a bracket that was not opened", token.start)
@@ -128,6 +131,12 @@ def closing(found: Tokens, opening: int) -> int:
         if depth == 0:
             return index
     return len(found) - 1
+
+
+def bracket(found: Tokens, opening: str, at: int = 0) -> Tokens:
+    """Return the index that begins at a place; no tokens where none begins there."""
+    begins = at < len(found) and found[at].text == opening
+    return found[at : closing(found, at) + 1] if begins else ()
 
 
 def outside(found: Tokens) -> Iterator[int]:
@@ -170,6 +179,11 @@ def numbers(source: Source, found: Sequence[Tokens] | None, count: int) -> tuple
     read = [number(source, part) for part in found or ()]
     literal = tuple(entry for entry in read if entry is not None)
     return literal if len(literal) == len(read) == count else None
+
+
+def plain_digits(digits: str) -> str:
+    """Return a whole number of any length without the zeros before it: 7 and 007 are one name."""
+    return digits.lstrip("0") or "0"
 
 
 def display_tokens(source: Source, found: Tokens) -> str:

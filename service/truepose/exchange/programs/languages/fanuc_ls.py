@@ -31,6 +31,7 @@ from truepose.exchange.programs.program import (
     Source,
     Written,
 )
+from truepose.exchange.programs.tokens import plain_digits
 from truepose.messages.message import Message, message
 
 _DECIMALS: Final = 3
@@ -43,17 +44,17 @@ _GROUP: Final = re.compile(r"GP([0-9]+)\s*:")
 _FRAME: Final = re.compile(r"\b(UF|UT)\s*:\s*([0-9]+|F)")
 _BRANCH: Final = re.compile(r"CONFIG\s*:\s*'([^']*)'")
 _COMPONENT: Final = re.compile(
-    r"\b([XYZWPRJE][0-9]*)\s*=\s*([-+]?\s*(?:[0-9]+\.?[0-9]*|\.[0-9]+)|\*+)\s*(mm|deg)"
+    r"\b([XYZWPRJE][0-9]*)\s*=\s*+([-+]?\s*+(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|\*++)\s*+(mm|deg)"
 )
 _POSE: Final = ("X", "Y", "Z", "W", "P", "R")
-_STATEMENT: Final = re.compile(r"^[ \t]*[0-9]*[ \t]*:(?P<text>[^;]*);", re.MULTILINE)
+_STATEMENT: Final = re.compile(r"^[ \t]*+(?:[0-9]++[ \t]*+)?:", re.MULTILINE)
 _MOTION: Final = re.compile(
     r"\s*(?P<kind>[JLCAS])\s+(?P<register>PR?)\[(?P<which>[^\]]*)\]?(?P<rest>.*)", re.DOTALL
 )
 _NUMBERED: Final = re.compile(r"\s*([0-9]+)\s*(?::.*)?", re.DOTALL)
 _REMARKS: Final = ("!", "//", "--")
 _POINT: Final = re.compile(r"(?<![A-Z])P\[\s*([0-9]+)")
-_ASSIGNED: Final = re.compile(r"\s*P\[\s*([0-9]+)[^=\]]*\]\s*=")
+_ASSIGNED: Final = re.compile(r"\s*P\[\s*([0-9]++)[^=\]]*+\]\s*=")
 # All else may jump, call or wait for a motion; its words are those of the controller's language.
 _STANDS_STILL: Final = re.compile(
     r"\s*(?:$|(?:R|DO|RO|GO|AO|F|PR|SR|P|TIMER)\[[^\]]*\]\s*=|WAIT\b|UFRAME_NUM|UTOOL_NUM|PAYLOAD|OVERRIDE)"
@@ -73,18 +74,27 @@ def read(draft: Draft) -> None:
     sections = _sections(source)
     if "END" not in sections:
         source.fail("the program has no /END; the file is cut off", len(source.text.rstrip()))
-    targets: dict[int, int] = {}
+    targets: dict[str, int] = {}
     if "POS" in sections:
         _Positions(draft, targets).read(*sections["POS"])
     if "MN" in sections:
-        for found in _STATEMENT.finditer(source.text, *sections["MN"]):
-            _Statement(draft, targets, found).follow()
+        for span in _statements(source, *sections["MN"]):
+            _Statement(draft, targets, span).follow()
 
 
 def _sections(source: Source) -> dict[str, tuple[int, int]]:
     """Return where the sections begin and end that tell of motions."""
     heads = list(_SECTION.finditer(source.text))
     return {head.group(1): (head.end(), end) for head, end in _with_ends(heads, len(source.text))}
+
+
+def _statements(source: Source, at: int, end: int) -> Iterator[tuple[int, int]]:
+    """Yield where the text of each statement begins and ends; one without ; at its end is none."""
+    while head := _STATEMENT.search(source.text, at, end):
+        at = source.text.find(";", head.end(), end)
+        if at < 0:
+            return
+        yield head.end(), at
 
 
 def _with_ends(heads: Sequence[re.Match[str]], end: int) -> Iterator[tuple[re.Match[str], int]]:
@@ -96,7 +106,7 @@ def _with_ends(heads: Sequence[re.Match[str]], end: int) -> Iterator[tuple[re.Ma
 class _Positions:
     """The section /POS."""
 
-    def __init__(self, draft: Draft, targets: dict[int, int]) -> None:
+    def __init__(self, draft: Draft, targets: dict[str, int]) -> None:
         self._draft = draft
         self._source = draft.source
         self._targets = targets
@@ -115,17 +125,18 @@ class _Positions:
         comment = f": {self._source.shown(*found.span('comment'))}" if found["comment"] else ""
         name = f"P[{found['number']}{comment}]"
         groups = list(_GROUP.finditer(self._source.text, found.end(), end))
-        spans = {int(group[1]): (group.end(), stop) for group, stop in _with_ends(groups, end)}
+        spans = {plain_digits(group[1]): (group.end(), stop) for group, stop in _with_ends(groups, end)}
         line = self._source.line(found.start())
-        if 1 not in spans:
+        if "1" not in spans:
             self._draft.leave(line, name, message("left.no_first_group"), moves=False)
             return
-        others = [number for group, span in spans.items() if group > 1 for number in self._numbers(*span)]
-        target = self._target(name, line, spans[1], others)
+        first = spans.pop("1")
+        others = [number for span in spans.values() for number in self._numbers(*span)]
+        target = self._target(name, line, first, others)
         if isinstance(target, Message):
             self._draft.leave(line, name, target, moves=False)
         else:
-            self._targets[int(found["number"])] = self._draft.add(target)
+            self._targets[plain_digits(found["number"])] = self._draft.add(target)
 
     def _target(
         self, name: str, line: int, span: tuple[int, int], others: list[tuple[str, Number, str]]
@@ -179,11 +190,11 @@ class _Positions:
 class _Statement:
     """A statement of the section /MN."""
 
-    def __init__(self, draft: Draft, targets: Mapping[int, int], found: re.Match[str]) -> None:
+    def __init__(self, draft: Draft, targets: Mapping[str, int], span: tuple[int, int]) -> None:
         self._draft = draft
         self._targets = targets
-        self._text = found["text"]
-        start, end = found.span("text")
+        start, end = span
+        self._text = draft.source.text[start:end]
         blanks = len(self._text) - len(self._text.lstrip())
         self._line = draft.source.line(start + blanks)
         self._shown = draft.source.shown(start, end)
@@ -197,7 +208,7 @@ class _Statement:
         if motion is not None:
             self._move(motion)
         elif assigned is not None:
-            self._draft.change(self._line, self._known(int(assigned[1])))
+            self._draft.change(self._line, self._known(assigned[1]))
         elif self._points():
             self._leave(COMPUTED, moves=False)
         if motion is None and not _STANDS_STILL.match(self._text):
@@ -213,25 +224,26 @@ class _Statement:
             reason = message("left.register")
         elif which is None:
             reason = CHOSEN
-        elif int(which[1]) not in self._targets:
+        elif not self._known(which[1]):
             reason = reason or ELSEWHERE
         if reason is not None or which is None:
             self._leave(reason or CHOSEN, moves=True)
         else:
-            self._draft.visit(self._line, self._known(int(which[1])), _PATHS[motion["kind"]])
+            self._draft.visit(self._line, self._known(which[1]), _PATHS[motion["kind"]])
 
     def _leave(self, reason: Message, *, moves: bool) -> None:
         self._draft.leave(self._line, self._shown, reason, self._points(), moves=moves)
 
     def _points(self) -> tuple[int, ...]:
-        return tuple(target for found in _POINT.findall(self._text) for target in self._known(int(found)))
+        return tuple(target for found in _POINT.findall(self._text) for target in self._known(found))
 
-    def _known(self, number: int) -> tuple[int, ...]:
-        return (self._targets[number],) if number in self._targets else ()
+    def _known(self, number: str) -> tuple[int, ...]:
+        target = self._targets.get(plain_digits(number))
+        return () if target is None else (target,)
 
 
 def _numbered(which: str, number: str | None) -> Frame | None:
     """Return a frame by its number; 0 is the world or the flange, F the one that is in use."""
     if number is None or number == "F":
         return None
-    return Frame(f"{which} {number}", AT_THE_ORIGIN if int(number) == 0 else None)
+    return Frame(f"{which} {number}", AT_THE_ORIGIN if plain_digits(number) == "0" else None)

@@ -29,6 +29,7 @@ from truepose.exchange.programs.program import (
     ProgramTarget,
     Written,
 )
+from truepose.exchange.programs.tokens import plain_digits
 from truepose.messages.message import Message, message
 
 _POSITION: Final = millimetres(3)
@@ -202,4 +203,4 @@ class _Job:
 
 def _key(name: str, number: str) -> str:
     """Return the name of a position whose number may stand with more or fewer zeros."""
-    return f"{name}{int(number)}"
+    return name + plain_digits(number)

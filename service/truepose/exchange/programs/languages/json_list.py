@@ -4,6 +4,7 @@ A row is a pose of the tool in the world (`x_mm, y_mm, z_mm, qw, qx, qy, qz`), o
 `nest` says which, with `q1_deg ..` as the nominal answer; or only a configuration (`q1_deg ..`).
 """
 
+import json
 import re
 from collections.abc import Collection, Iterator, Mapping
 from itertools import count, takewhile
@@ -77,8 +78,7 @@ def target_of(
 
 
 _TARGETS: Final = "targets"
-_TOKEN: Final = re.compile(r'(?P<text>"(?:[^"\\]|\\.)*")|(?P<value>[-+.\w]+)|(?P<sign>[\[\]{},:])')
-_ESCAPE: Final = re.compile(r'^"|"$')
+_TOKEN: Final = re.compile(r'(?P<text>"(?:[^"\\]|\\.)*+")|(?P<value>[-+.\w]+)|(?P<sign>[\[\]{},:])')
 
 
 def read(draft: Draft) -> None:
@@ -123,7 +123,7 @@ def _values(source: Source) -> Iterator[tuple[KeyPath, tuple[int, int]]]:
                 path[-1] = last + 1 if isinstance(last, int) else last
                 is_key = isinstance(last, str)
             case None if token["text"] and is_key:
-                path[-1] = _ESCAPE.sub("", token["text"])
+                path[-1] = json.loads(token["text"])
                 is_key = False
             case None if token["value"]:
                 yield tuple(path), token.span()

@@ -7,7 +7,7 @@ Source: KUKA System Software, Operating and Programming Instructions for System 
 from collections.abc import Sequence
 from typing import Final
 
-from truepose.exchange.programs.languages.krl_data import NAMES, Data, Which, bracket, target, whole
+from truepose.exchange.programs.languages.krl_data import NAMES, Data, Which, target, whole
 from truepose.exchange.programs.parsed_program import (
     ARC,
     CHOSEN,
@@ -19,13 +19,14 @@ from truepose.exchange.programs.parsed_program import (
     FramesInUse,
     InUse,
     Step,
-    set_within,
+    sets_within,
 )
 from truepose.exchange.programs.program import Frame, Path, Source
 from truepose.exchange.programs.tokens import (
     Language,
     Token,
     Tokens,
+    bracket,
     display_tokens,
     inside,
     outside,
@@ -66,10 +67,10 @@ def read(draft: Draft) -> None:
     lines = [line for line in found if line]
     _require_ends(draft.source, lines)
     reader = _Reader(draft, Data(draft, lines))
-    steps = [_step(draft.source, line) for line in lines]
+    sets = sets_within(_step(draft.source, line) for line in lines)
     for at, line in enumerate(lines):
         if line[0].upper in _LOOPS:
-            reader.enter_loop(set_within(steps, at))
+            reader.enter_loop(sets[at])
         else:
             reader.follow(line)
 
@@ -206,7 +207,7 @@ class _Reader:
             name = f"line {self._draft.line(words)}"
             found = target(self._draft.source, name, aim)
             return found if isinstance(found, Message) else ArgumentTargets((self._draft.add(found),))
-        is_name = aim[0].kind == "word" and len(bracket(aim[1:])) == len(aim) - 1
+        is_name = aim[0].kind == "word" and len(bracket(aim, "[", 1)) == len(aim) - 1
         return self._data.chosen(aim) if is_name else COMPUTED
 
     def _leave(self, words: Tokens, reason: Message) -> None:

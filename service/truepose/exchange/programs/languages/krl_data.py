@@ -34,7 +34,7 @@ from truepose.exchange.programs.program import (
 from truepose.exchange.programs.tokens import (
     Token,
     Tokens,
-    closing,
+    bracket,
     display_tokens,
     inside,
     number,
@@ -107,7 +107,7 @@ def _bits(source: Source, words: Tokens) -> Number | None:
     """Return a whole number that may be written as 'B010011' or 'H13'."""
     if len(words) == 1 and words[0].kind == "string":
         value = whole_number(words[0].text)
-        base: Literal[2, 16] = 2 if words[0].upper[1:2] == "B" else 16
+        base: Literal[2, 16] = 2 if words[0].text[1:2] in "Bb" else 16
         return None if value is None else Number(words[0].start, words[0].end, float(value), 0, base)
     return number(source, words)
 
@@ -226,7 +226,7 @@ class Data:
         found: list[int] = []
         for at, word in enumerate(words):
             if word.upper in self._targets:
-                found += _among(self._targets[word.upper], self._index(bracket(words[at + 1 :])))
+                found += _among(self._targets[word.upper], self._index(bracket(words, "[", at + 1)))
         return tuple(found)
 
     def _take_frame(self, given: _Given) -> None:
@@ -271,11 +271,6 @@ class Data:
         return ",".join(known) if known and len(known) == len(read) else None
 
 
-def bracket(words: Tokens) -> Tokens:
-    """Return the index that words begin with; no words where they begin with none."""
-    return words[: closing(words, 0) + 1] if words and words[0].text == "[" else ()
-
-
 def _among(held: _Held, index: str | None) -> tuple[int, ...]:
     if index is None:
         return tuple(target for targets in held.values() for target in targets)
@@ -297,7 +292,7 @@ def _given(line: Tokens) -> Iterator[_Given]:
         kind, words = words[0].upper, words[1:]
     for entry in parts(words) if kind else [words]:
         if entry and entry[0].kind == "word":
-            index = bracket(entry[1:])
+            index = bracket(entry, "[", 1)
             behind = entry[1 + len(index) :]
             given = bool(behind) and behind[0].text in ("=", ".")
             signs = (place for place in outside(behind) if behind[place].text == "=")

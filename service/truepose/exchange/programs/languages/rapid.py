@@ -33,6 +33,7 @@ from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame, Path
 from truepose.exchange.programs.tokens import (
     Token,
     Tokens,
+    bracket,
     closing,
     display_tokens,
     inside,
@@ -92,7 +93,7 @@ class Data:
         for at, word in enumerate(words):
             datum = self.find(routine, word.upper) if word.kind == "word" else None
             if datum is not None and datum.kind in _TARGETS:
-                found += self._among(datum, _bracket(words[at + 1 :]))
+                found += self._among(datum, bracket(words, "{", at + 1))
         return tuple(found)
 
     def chosen(self, routine: Routine, words: Tokens) -> ArgumentTargets | Message:
@@ -190,7 +191,7 @@ def _behind_assignment(words: Tokens) -> Tokens:
 
 
 def _dimensions(words: Tokens) -> int:
-    return len(inside(_bracket(words), "{") or ())
+    return len(inside(bracket(words, "{"), "{") or ())
 
 
 def _assigned(words: Tokens) -> tuple[Token, Tokens, Tokens]:
@@ -200,14 +201,8 @@ def _assigned(words: Tokens) -> tuple[Token, Tokens, Tokens]:
         follows = index > 0 and words[index - 1].text == "."
         if words[index].kind == "word" and not follows:
             start = index
-    behind = words[start + 1 :]
-    bracket = _bracket(behind)
-    return words[start], bracket, behind[len(bracket) :]
-
-
-def _bracket(words: Tokens) -> Tokens:
-    """Return the index that words begin with; no words where they begin with none."""
-    return words[: closing(words, 0) + 1] if words and words[0].text == "{" else ()
+    index_words = bracket(words, "{", start + 1)
+    return words[start], index_words, words[start + 1 + len(index_words) :]
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from truepose.exchange.programs.parsed_program import (
     Draft,
     FramesInUse,
     Step,
-    set_within,
+    sets_within,
 )
 from truepose.exchange.programs.pose_notation import JOINT_RADIANS, METRES, ROTATION_VECTOR
 from truepose.exchange.programs.program import (
@@ -76,9 +76,9 @@ def read(draft: Draft) -> None:
     _require_ends(draft.source, lines)
     names = _Names(draft, lines)
     reader = _Reader(draft, names)
-    steps = [_step(line) for line in lines]
+    sets = sets_within(map(_step, lines))
     for at, line in enumerate(lines):
-        reader.follow(line, set_within(steps, at) if line[0].text in _LOOPS else set())
+        reader.follow(line, sets[at] if line[0].text in _LOOPS else set())
 
 
 def _step(words: Tokens) -> Step:

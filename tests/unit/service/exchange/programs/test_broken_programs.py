@@ -1,6 +1,7 @@
 """A broken program ends in one sentence with file, line and place in the line."""
 
 import random
+import time
 
 import pytest
 from hypothesis import given, settings
@@ -69,6 +70,16 @@ BROKEN = {
         "m.mod",
         f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', '1,2,3E99')};\nENDMODULE\n",
         "m.mod, line 2, column 26: 3E99 is too large for any quantity.",
+    ),
+    "a number of thousands of digits": (
+        "m.mod",
+        f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', '1,2,' + '3' * 5000)};\nENDMODULE\n",
+        f"m.mod, line 2, column 26: {'3' * 40}... is too large for any quantity.",
+    ),
+    "brackets without end": (
+        "m.mod",
+        f"MODULE M\nCONST num a:={'[' * 900}{']' * 900};\nENDMODULE\n",
+        "m.mod, line 2, column 64: brackets are nested too deep.",
     ),
     "a motion without a target": (
         "m.mod",
@@ -192,6 +203,52 @@ def test_a_broken_program_is_refused_in_one_sentence(name, text, sentence):
 
     assert str(refused.value) == sentence
     assert refused.value.file == name
+
+
+LONG = "0" * 5000
+POSE = "X = 1.000 mm, Y = 2.000 mm, Z = 3.000 mm, W = 0.000 deg, P = 0.000 deg, R = 0.000 deg"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("m.ls", f"{FANUC_HEAD}P[{LONG}1]{{ GP{LONG}1: UF : {LONG}, UT : {LONG}7, {POSE} }};\n/END\n"),
+        ("m.jbi", f"/JOB\n//POS\n///POSTYPE ANGLE\nC{LONG}1=1,2,3,4,5,6\n//INST\nMOVL C1\nEND\n"),
+        ("m.mod", f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', f'1,2,3E{LONG}')};\nENDMODULE\n"),
+        ("m.mod", f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', f'1,2,0E-9{LONG}')};\nENDMODULE\n"),
+        ("m.json", '[{"\\u00711_deg": 1, "q2_deg": 2e0}]'),
+        ("m.json", '[{"q1_deg": 1e-' + LONG + '7, "q2_deg": 0e9' + LONG + "}]"),
+        (
+            "m.dat",
+            f"DEFDAT M\nDECL E6POS P={{X 1,Y 2,Z 3,A 0,B 0,C 0,S 2,T 'H{'f' * 5000}'}}\nENDDAT\n",
+        ),
+    ],
+)
+def test_digits_without_end_and_escaped_keys_are_read_as_they_are_meant(name, text):
+    program = read_program(text.encode(), name)
+
+    assert len(program.targets) == 1
+    assert rewritten(program, {0: program.targets[0].value}) == text.encode()
+
+
+NESTED = 3000
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "targets"),
+    [
+        ("m.src", "DEF M( )\n" + "LOOP\n" * NESTED + "ENDLOOP\n" * NESTED + "END\n", 0),
+        ("m.script", "while True:\n" * NESTED + "end\n" * NESTED, 0),
+        ("m.ls", f"/PROG M\n/MN\n{':L P[1]' * 20}\n" + ":\n" * 20_000 + "/POS\n/END\n", 0),
+        ("m.dtx", f"<Database><Data {'a' * 20_000}></Data></Database>", 0),
+    ],
+    ids=["loops of KRL", "loops of URScript", "statements without ends", "an attribute without a value"],
+)
+def test_what_stands_in_itself_or_never_ends_takes_no_time_out_of_proportion(name, text, targets):
+    began = time.process_time()
+
+    assert len(read_program(text.encode(), name).targets) == targets
+    assert time.process_time() - began < 1e-5 * len(text)
 
 
 def test_a_binary_file_is_refused():

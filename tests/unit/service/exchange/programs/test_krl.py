@@ -54,6 +54,24 @@ def test_targets_of_a_program_stand_in_the_frames_that_hold_there():
     assert target.branch == "S 'B110', T 'B010011'"
 
 
+@pytest.mark.parametrize(
+    ("written", "turns"),
+    [
+        ("'b010011'", [(19, 2)]),
+        ("'B010011'", [(19, 2)]),
+        ("'h13'", [(19, 16)]),
+        ("19", [(19, 10)]),
+        ("'b01_1'", []),
+        ("'b2'", []),
+    ],
+)
+def test_turns_are_counted_in_bits_whatever_their_letters(written, turns):
+    text = f"DEFDAT M\nDECL E6POS P={{X 1,Y 2,Z 3,A 0,B 0,C 0,S 2,T {written}}}\nENDDAT\n"
+    (target,) = read("m.dat", text.encode()).targets
+
+    assert [(number.value, number.base) for number in target.turns] == turns
+
+
 def test_axes_are_a_configuration():
     target = named(read("row.src"), "HOME")
 

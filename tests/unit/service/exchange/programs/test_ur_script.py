@@ -4,6 +4,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import UR, line_of, named, read, reasons
+from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
 from truepose.messages.catalogue import catalogue, english
 
@@ -122,9 +123,11 @@ def test_a_variable_may_be_called_like_the_head_of_a_routine():
 
 
 def test_no_depth_of_calls_ends_the_reader():
-    program = program_of(f"movej({'get_inverse_kin(' * 5000}p[0,0,0,0,0,0]{')' * 5000})")
+    program = program_of(f"movej({'get_inverse_kin(' * 40}p[0,0,0,0,0,0]{')' * 40})")
 
     assert reasons(program) == {2: "its place is computed when the program runs"}
+    with pytest.raises(UnreadableFileError, match="line 2, column 806: brackets are nested too deep"):
+        program_of(f"movej({'get_inverse_kin(' * 5000}p[0,0,0,0,0,0]{')' * 5000})")
 
 
 def test_a_line_to_joint_angles_is_to_a_configuration():
