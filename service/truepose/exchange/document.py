@@ -9,6 +9,7 @@ import stat
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, Final, NoReturn, TypeVar
 
@@ -20,7 +21,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
-from truepose.exchange.json_text import Json, KeyPath, line_of, number_or_null, parse_json
+from truepose.exchange.json_text import Json, KeyPath, line_of, number_or_null, parse_json, require_shallow
 from truepose.exchange.quantities import in_other_unit, limits_of, unit, unit_sentence
 
 # 200,000 rows of a table with everything that the format knows come to 100 MB.
@@ -235,6 +236,7 @@ def toml_document(file: str, data: bytes) -> Node:
     """Return the root of a TOML document; raises UnreadableFileError (tomllib says the line in its words)."""
     try:
         value = tomllib.loads(data.decode("utf-8-sig"))
+        require_shallow(value)  # names with points between them nest without a bracket
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
     except RecursionError as error:
@@ -246,11 +248,15 @@ def toml_document(file: str, data: bytes) -> Node:
 
 
 def _shown(value: object) -> str:
-    shown = "null" if value is None else repr(value)
+    try:
+        shown = "null" if value is None else repr(value)
+    except ValueError:  # of a whole number that Python does not print
+        return "a number of thousands of digits"
     return shown if len(shown) <= 40 else shown[:37] + "..."
 
 
 T = TypeVar("T")
+S = TypeVar("S", bound=StrEnum)
 _REQUIRED: Final = object()
 
 
@@ -320,6 +326,17 @@ def number(*, above: float = -math.inf, least: float = -math.inf) -> Form:
 def whole(*, least: float = -math.inf, greatest: float = math.inf) -> Form:
     """Return the form of a whole number within limits."""
     return Form(lambda node: node.whole(least=least, greatest=greatest))
+
+
+def word(kind: type[S]) -> Form:
+    """Return the form of a word that is one of a few."""
+
+    def read(node: Node) -> S:
+        if node.text() not in set(kind):
+            node.fail(f"{_shown(node.value)} must be one of {', '.join(kind)}")
+        return kind(node.text())
+
+    return Form(read, lambda member: member.value)
 
 
 def degrees(angle_rad: float) -> float:

@@ -4,7 +4,7 @@ import json
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
 
 from truepose.exchange.errors import UnreadableFileError
@@ -13,6 +13,7 @@ Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json
 KeyPath: TypeAlias = tuple[str | int, ...]
 # `\ud83d` alone is half a character: JSON lets it pass, and no screen or database can take it.
 _HALF_A_CHARACTER = re.compile(r"\\u[dD][89a-fA-F]")
+_DEEPEST = 100  # no document nests deeper than ten
 _BLANK = re.compile(r"[ \t\r\n]*")
 
 
@@ -32,7 +33,7 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
         value = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
         if _HALF_A_CHARACTER.search(text):
             json.dumps(value, ensure_ascii=False).encode()
-        return value, text
+        require_shallow(value)
     except json.JSONDecodeError as error:
         what = "the text ends too early" if error.pos >= len(text.rstrip()) else error.msg
         raise UnreadableFileError(
@@ -44,6 +45,23 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
         ) from error
     except ValueError as error:
         raise UnreadableFileError(f"this is not a usable JSON document ({error})", file=file) from error
+    return value, text
+
+
+def require_shallow(value: object) -> None:
+    """Raise RecursionError, as parsers do, for what nests deeper than whoever walks through it can follow."""
+    level = [value]
+    for _ in range(_DEEPEST):
+        level = [entry for one in level for entry in _entries(one)]
+        if not level:
+            return
+    raise RecursionError(_DEEPEST)
+
+
+def _entries(value: object) -> Iterable[object]:
+    if isinstance(value, dict):
+        return value.values()
+    return value if isinstance(value, list) else ()
 
 
 def line_of(text: str, path: KeyPath) -> int:

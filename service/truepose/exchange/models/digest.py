@@ -7,6 +7,7 @@ its own way; a changed value shows.
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import Final
@@ -29,7 +30,7 @@ def digest_of(document: Mapping[str, object]) -> str:
     """Return the digest of a model document, with or without its own."""
     # Without itself; and keys of later versions count as well, so that an addition by hand shows too.
     content = {key: _canonical(value) for key, value in document.items() if key != KEY}
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"
 
 
@@ -58,5 +59,12 @@ def _canonical(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_canonical(entry) for entry in value]
     if isinstance(value, int) and not isinstance(value, bool):
-        return float(value)  # JSON has one kind of number, and some programs print 2.0 as 2
+        return _double(value)  # JSON has one kind of number, and some programs print 2.0 as 2
     return value
+
+
+def _double(number: int) -> float:
+    try:
+        return float(number)
+    except OverflowError:  # what no double holds truepose never wrote, and whoever reads the key refuses it
+        return math.inf

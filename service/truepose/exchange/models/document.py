@@ -38,6 +38,7 @@ from truepose.exchange.document import (
     read_keys,
     record,
     whole,
+    word,
     written_keys,
 )
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
@@ -99,7 +100,7 @@ _TARGETS: Final = each(
         Target,
         [
             Key("target", "number", whole(least=1)),
-            Key("kind", "kind", Form(lambda node: TargetKind(node.text()), lambda kind: kind.value)),
+            Key("kind", "kind", word(TargetKind)),
             Key("zero_mm", "zero_mm", NUMBER, absent=None),
             Key("u_zero_mm", "zero_uncertainty_mm", number(least=0.0)),
             Key("form_mm", "form_mm", number(least=0.0)),
@@ -112,8 +113,17 @@ _ROTATION: Final = Form(
     lambda node: tuple(math.radians(angle) for angle in node.vector()),
     lambda angles_rad: [math.degrees(angle) for angle in angles_rad],
 )
-_SPAN: Final = Form(  # of a joint that stood still its ends are the same
-    lambda node: JointRange(*np.radians(node.numbers(2)).tolist()),
+
+
+def _read_span(node: Node) -> JointRange:
+    lower, upper = node.numbers(2)
+    if lower > upper:  # of a joint that stood still they are the same
+        node.fail(f"the lower end {lower:g} is above the upper end {upper:g}")
+    return JointRange(*np.radians([lower, upper]).tolist())
+
+
+_SPAN: Final = Form(
+    _read_span,
     lambda span: [math.degrees(span.lower_rad), math.degrees(span.upper_rad)],
 )
 _ZONE: Final = record(

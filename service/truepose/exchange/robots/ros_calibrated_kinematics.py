@@ -12,7 +12,7 @@ import hashlib
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import yaml
@@ -25,6 +25,7 @@ from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.models.rigid_arm import Subject, remarks
 from truepose.exchange.models.urdf_export import joint_origin, roll_pitch_yaw
 from truepose.exchange.quantities import limits_of
+from truepose.exchange.tables.table_reader import is_number
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
 from truepose.kinematics.joint_axes import JointAxis, table_of
 from truepose.messages.catalogue import english
@@ -56,10 +57,23 @@ def kinematics_from_text(file: str, data: bytes) -> Robot:
     return Robot(f"Universal Robots arm{called}", table.rows, source=f"calibrated kinematics, {file}")
 
 
+class _PlainLoader(yaml.SafeLoader):
+    """Refuses aliases: with them a few lines stand for billions of values."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Return the node that comes next."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.MarkedYAMLError(
+                problem="it has aliases, which no such file needs",
+                problem_mark=self.get_event().start_mark,  # type: ignore[no-untyped-call]
+            )
+        return super().compose_node(parent, index)
+
+
 def _loaded(file: str, data: bytes) -> object:
     try:
         # Plain values only: other loaders make whatever objects a file names, and run code of it.
-        return yaml.safe_load(data.decode("utf-8-sig"))
+        return yaml.load(data.decode("utf-8-sig"), _PlainLoader)
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
     except (yaml.YAMLError, RecursionError, ValueError) as error:
@@ -84,11 +98,8 @@ def _origin(node: Node) -> FloatArray:
 
 def _number(node: Node) -> float:
     """Return the number here; of 1e-05, which YAML 1.1 takes for text, too."""
-    if isinstance(node.value, str):
-        try:
-            return Node(node.file, float(node.value), node.path, node.locate).number()
-        except ValueError:
-            pass
+    if isinstance(node.value, str) and is_number(node.value):
+        return Node(node.file, float(node.value), node.path, node.locate).number()
     return node.number()
 
 

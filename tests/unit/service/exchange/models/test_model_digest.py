@@ -41,6 +41,17 @@ def test_a_digit_changed_by_hand_is_named_as_an_edit():
         read(edited())
 
 
+@pytest.mark.parametrize(
+    "poison", ["9" * 400, "1e999", "[" * 90 + "]" * 90], ids=["400 digits", "1e999", "a deep nest"]
+)
+def test_what_truepose_never_writes_is_an_edit_as_well(poison):
+    text = model_text(make_model()).replace('"digest":', f'"more": {poison}, "digest":')
+
+    with pytest.raises(EditedFileError):
+        read(text)
+    assert read(text, accept_edited=True).integrity is Integrity.EDITED
+
+
 def test_an_edited_file_is_read_where_that_is_accepted_and_still_called_edited():
     found = read(edited(), accept_edited=True)
 

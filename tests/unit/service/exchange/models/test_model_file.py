@@ -230,6 +230,16 @@ def test_a_missing_key_is_named(key):
         ({"repeatability_mm": 1e200}, "repeatability_mm", "no length that anybody could have read"),
         ({"torques_measured": 1}, "torques_measured", "neither true nor false"),
         ({"identified_from": {"rows": [1]}}, "identified_from.rows", "text or a number"),
+        (
+            {"targets": [{"target": 1, "kind": "banana"}]},
+            "targets[0].kind",
+            "'banana' must be one of sphere, wire",
+        ),
+        (
+            {"measured_zone": {"joint_ranges_deg": [[9, -5]] * 3, "flange_extents_mm": [0] * 26}},
+            "measured_zone.joint_ranges_deg[0]",
+            "the lower end 9 is above the upper end -5",
+        ),
         ({"tool_nests": [{"nest": 0, "centre_mm": [0, 0, 0]}]}, "tool_nests[0].nest", "must lie between 1"),
     ],
 )

@@ -132,7 +132,8 @@ def test_a_file_is_taken_where_a_robot_is(tmp_path):
         ("kinematics: !!python/object/apply:os.system [ls]", "this is not YAML"),
         ("- 1", "an object with keys is required"),
         ("[" * 1000, "this is not YAML"),
-        ("a: &a [*a]", "key kinematics is missing"),
+        ("a: &a [*a]", "line 1: this is not YAML: it has aliases"),
+        (text_of({**PUBLISHED, "forearm": ("1_0",) * 6}), "key kinematics.forearm.x: '1_0' is not a number"),
     ],
 )
 def test_a_file_that_is_none_is_refused_with_its_key(text, sentence):

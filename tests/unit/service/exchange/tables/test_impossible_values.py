@@ -6,7 +6,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
-from truepose.exchange.document import json_document, toml_document
+from truepose.exchange.document import Node, json_document, toml_document
 from truepose.exchange.errors import BadValueError, UnreadableFileError
 from truepose.exchange.quantities import limits_of
 from truepose.exchange.tables.rows import MOST_ROWS
@@ -136,6 +136,7 @@ def test_a_kind_that_there_is_not_is_refused_with_the_known_ones():
         ('{"a": NaN}', "NaN is not a finite number"),
         ('{"a": -Infinity}', "-Infinity is not a finite number"),
         ("[" * 100_000, "nested too deep"),
+        ("[" * 900 + "]" * 900, "nested too deep"),
         ('{"a": ' + "9" * 5000 + "}", "not a usable JSON document"),
         ('{"a": "\\ud800"}', "surrogates not allowed"),
     ],
@@ -149,10 +150,19 @@ def test_a_character_of_two_halves_is_whole():
     assert json_document("a.json", b'{"a": "\\ud83d\\ude00"}').key("a").text() == "\U0001f600"
 
 
-@pytest.mark.parametrize("text", ["a = " + "9" * 5000, "a = " + "[" * 100_000, "a = 1\na = 2\n", "a = nan"])
+@pytest.mark.parametrize(
+    "text",
+    ["a = " + "9" * 5000, "a = " + "[" * 100_000, "a" + ".b" * 3000 + " = 1", "a = 1\na = 2\n", "a = nan"],
+)
 def test_toml_that_means_nothing_is_refused_in_one_sentence(text):
     with pytest.raises((UnreadableFileError, BadValueError)):
         toml_document("a.toml", text.encode()).key("a").number()
+
+
+@pytest.mark.parametrize("read", [Node.text, Node.truth, Node.number])
+def test_a_number_of_thousands_of_digits_is_named_and_not_printed(read):
+    with pytest.raises(BadValueError, match=r"a number of thousands of digits is|the number is not finite"):
+        read(toml_document("a.toml", b"a = 0x" + b"f" * 5000).key("a"))
 
 
 def test_a_text_of_a_whole_book_is_refused():
