@@ -156,7 +156,7 @@ async def test_what_is_refused_is_on_record_without_control_characters(house, mo
         unread = await operator.post("/api/v1/sessions/1/commands", json=body)
 
     texts = [text for act in acts for text in (act.resource, act.reason) if text]
-    assert [act.status for act in acts] == [nowhere.status_code, unread.status_code] == [404, 422]
+    assert [act.status for act in acts] == [nowhere.status_code, unread.status_code] == [422, 422]
     assert not [text for text in texts if "\0" in text or len(text) > 2000]
 
 
