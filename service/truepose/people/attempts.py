@@ -13,7 +13,7 @@ import contextlib
 import ipaddress
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -62,12 +62,17 @@ class Guesses:
 
     def take(self, *names: str) -> None:
         """Take a guess from the bucket of each name; raises TooManyGuessesError, then none is taken."""
-        buckets = [self._bucket(name) for name in names]
-        missing = 1 - min(bucket.tokens for bucket in buckets)
+        buckets = {name: self._bucket(name) for name in names}
+        missing = 1 - min(bucket.tokens for bucket in buckets.values())
         if missing > 0:
             raise TooManyGuessesError(math.ceil(missing * self._limit.refill_s))
-        for bucket in buckets:
+        # Only now: whoever is turned away under ever new names would have all others forgotten.
+        for name, bucket in buckets.items():
             bucket.tokens -= 1
+            self._buckets[name] = bucket
+            self._buckets.move_to_end(name)
+        while len(self._buckets) > _REMEMBERED:
+            self._buckets.popitem(last=False)
 
     def give_back(self, *names: str) -> None:
         """Give a guess back that was right."""
@@ -76,14 +81,12 @@ class Guesses:
             bucket.tokens = min(self._limit.at_once, bucket.tokens + 1)
 
     def _bucket(self, name: str) -> _Bucket:
+        """Return the bucket of a name as it is now; a full one of whoever has taken nothing."""
         now_s = self._elapsed_s()
-        bucket = self._buckets.setdefault(name, _Bucket(self._limit.at_once, now_s))
-        self._buckets.move_to_end(name)
+        bucket = self._buckets.get(name) or _Bucket(self._limit.at_once, now_s)
         gained = (now_s - bucket.at_s) / self._limit.refill_s
         bucket.tokens = min(self._limit.at_once, bucket.tokens + gained)
         bucket.at_s = now_s
-        if len(self._buckets) > _REMEMBERED:
-            self._buckets.popitem(last=False)
         return bucket
 
 
@@ -140,7 +143,11 @@ class KnownPlaces:
 
     def note(self, person_id: int, address: str, since: str | None = None) -> None:
         """Note that somebody showed there who they are, now or at a time (UTC, ISO 8601)."""
-        self._until[person_id, address_block(address)] = self._time.in_future(KNOWN_DAYS, since)
+        until = self._time.in_future(KNOWN_DAYS, since)
+        if since is None:
+            self._until = {at: end for at, end in self._until.items() if not self._time.is_over(end)}
+        if not self._time.is_over(until):
+            self._until[person_id, address_block(address)] = until
 
     def include(self, person_id: int, address: str) -> bool:
         """Whether somebody did so there within a month."""
@@ -176,6 +183,13 @@ class WrongPins:
     def forgive(self, person_id: int) -> None:
         """Begin to count anew everywhere: a password was right."""
         self._wrong = {count: wrong for count, wrong in self._wrong.items() if count[0] != person_id}
+
+    def forget_others(self, tablets: Collection[int]) -> None:
+        """Forget the tablets at which nobody is signed in any more; guesses beside them stay counted."""
+        self._stood = {count for count in self._stood if count[1] in tablets}
+        self._wrong = {
+            count: wrong for count, wrong in self._wrong.items() if count[1] is None or count[1] in tablets
+        }
 
     def _count(self, person_id: int, tablet: int | None) -> tuple[int, int | None]:
         return person_id, tablet if (person_id, tablet) in self._stood else None

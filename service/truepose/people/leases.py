@@ -68,6 +68,7 @@ class Leases:
         """Have the authority, whoever had it."""
         until_s = self._elapsed_s() + LEASE_S
         lease = Lease(caller.name, caller.tablet, caller.tablet_name, until_s)
+        self._leases = {number: held for number in self._leases if (held := self.of(number)) is not None}
         self._leases[session_id] = lease
         return lease
 

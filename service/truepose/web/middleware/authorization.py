@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from truepose.people.accounts import Accounts
 from truepose.people.act_log import ActLog
-from truepose.people.attempts import Guesses
+from truepose.people.attempts import Guesses, address_block
 from truepose.people.errors import FreshSignInNeededError, TooManyGuessesError
 from truepose.people.register import NOBODY, Caller
 from truepose.storage.people import PersonsAct
@@ -208,7 +208,7 @@ def _name(scope: Scope, operation: Operation | None, asked: RequestRecord) -> st
 def _is_told(refusals: Guesses, asked: RequestRecord) -> bool:
     """Whether a refusal is put on record: the first ones of an address; a flood of them is one event."""
     try:
-        refusals.take(asked.address)
+        refusals.take(address_block(asked.address))
     except TooManyGuessesError:
         return False
     return True

@@ -1,5 +1,6 @@
 """How often it may be tried: bounded over days, whatever addresses a stranger has."""
 
+import contextlib
 from types import SimpleNamespace
 
 import pytest
@@ -66,6 +67,38 @@ def test_a_known_place_has_a_limit_of_its_own(attempts):
     attempts.places.note(ADA.id, "192.168.1.10")
 
     assert [guesses(attempts, "192.168.1.10") for _ in range(7)] == [True] * 5 + [False] * 2
+
+
+def test_ever_new_names_from_one_address_have_nobody_s_count_forgotten(attempts, monkeypatch):
+    monkeypatch.setattr("truepose.people.attempts._REMEMBERED", 20)
+    attempts.places.note(ADA.id, "192.168.1.10")
+    while guesses(attempts, "192.168.1.10"):
+        pass
+
+    for k in range(100):
+        with (
+            contextlib.suppress(TooManyGuessesError, ValueError),
+            attempts.at_door(None, f"Person {k}", "203.0.113.9"),
+        ):
+            raise ValueError
+
+    assert not guesses(attempts, "192.168.1.10")
+
+
+def test_places_and_tablets_of_long_ago_are_forgotten(attempts, now_s):
+    for k in range(5):
+        attempts.places.note(ADA.id, f"192.168.1.{k}")
+        attempts.pins.note_stood(ADA.id, k)
+        attempts.pins.note_wrong(ADA.id, k)
+    attempts.pins.note_wrong(ADA.id, 99)  # where nobody stood
+
+    now_s[0] = 31.0 * DAY_S
+    attempts.places.note(ADA.id, "192.168.1.9")
+    attempts.pins.forget_others({4})
+
+    assert len(attempts.places._until) == 1
+    assert attempts.pins._stood == {(ADA.id, 4)}
+    assert attempts.pins._wrong == {(ADA.id, 4): 1, (ADA.id, None): 1}
 
 
 @pytest.mark.parametrize(
