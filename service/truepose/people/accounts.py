@@ -9,7 +9,7 @@ import contextlib
 import hmac
 import logging
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,8 +19,8 @@ from truepose.people.act_log import PATIENCE_S, ActLog
 from truepose.people.attempts import Attempts, Guesses
 from truepose.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.people.leases import Leases
-from truepose.people.register import EVERYBODY, NOBODY, OF_MACHINE, Caller, Register
-from truepose.people.secrets import Pins, badge_hash, chosen_hash, fingerprint, new_secret
+from truepose.people.register import EVERYBODY, LINK_IS_OVER, NOBODY, OF_MACHINE, Caller, Register
+from truepose.people.secrets import Badges, Pins, SlowHashes, chosen_hash, fingerprint, new_secret
 from truepose.people.sign_ins import SignedIn, SignIns
 from truepose.storage.database import Database
 from truepose.storage.people import (
@@ -37,7 +37,6 @@ LINK_DAYS: Final = 3
 _PIN: Final = re.compile(r"[0-9]{4,12}")
 # Of a program's token: it may do what its owner may, and a plant asks for what is an administrator's.
 _LEAST_OWNER: Final = {Role.DEVICE: Role.VIEWER, Role.PLANT: Role.ADMINISTRATOR}
-_LINK_IS_OVER: Final = message("people.link_is_over")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +66,11 @@ class Accounts:
         self.register = register
         self.attempts = Attempts(register)
         self.pins = pins
-        self.sign_ins = SignIns(register, self.attempts, pins)
+        self._hashes = SlowHashes()
+        self._badges = Badges(r.hash for r in register.credentials if r.kind is CredentialKind.BADGE)
+        self.sign_ins = SignIns(register, self.attempts, pins, self._badges, self._hashes)
         self._asked_for = asked_for
         self._alone = alone
-        # Two who hold the printed link at once would both become the first administrator.
-        self._first = asyncio.Lock()
         self.first_secret = new_secret()
         self.machine_secret = new_secret()  # for commands of this machine, as long as the service runs
 
@@ -118,18 +117,13 @@ class Accounts:
     async def enter_first(self, secret: str, name: str, chosen: Preferences, address: str) -> SignedIn:
         """Enter the first person, as administrator; raises SignInRefusedError, AccountRefusedError."""
         with self.attempts.by_link(address):
-            person = await self._first_person(secret, name, chosen)
-            await self.choose(person, chosen)
-        return await self.sign_ins.opened(person, "", address)
-
-    async def _first_person(self, secret: str, name: str, chosen: Preferences) -> Person:
-        async with self._first:
             if not self.opens_first(secret):
-                raise SignInRefusedError(_LINK_IS_OVER)
-            if chosen.password is None:
-                raise AccountRefusedError(message("people.first_password"))
-            _require_usable(chosen)
-            return await self.register.enter(name, Role.ADMINISTRATOR, name)
+                raise SignInRefusedError(LINK_IS_OVER)
+        if chosen.password is None:
+            raise AccountRefusedError(message("people.first_password"))
+        # With the password in one go: somebody who is entered and has none could not come in any more.
+        person = await self.register.enter_first(name, *await self._kept(None, chosen))
+        return await self.sign_ins.opened(person, "", address)
 
     async def enter(self, name: str, role: Role, by: str) -> tuple[Person, str]:
         """Enter somebody; return them and the secret of the link with which they choose a password."""
@@ -146,16 +140,19 @@ class Accounts:
         return await self._entered(name, role, MACHINE)
 
     async def _entered(self, name: str, role: Role, by: str) -> tuple[Person, str]:
-        person = await self.register.enter(name, role, by)
-        return person, await self.link(person, by)
+        secret, link = self._new_link(None, by)
+        return await self.register.enter(name, role, by, link), secret
 
     async def link(self, person: Person, by: str) -> str:
         """Return the secret of a link that lets somebody choose a password, once."""
-        secret = new_secret()
-        until = self.register.time.in_future(LINK_DAYS)
-        kept = NewCredential(CredentialKind.LINK, person.id, fingerprint(secret), until, {"by": by})
-        await self.register.put(kept, by)
+        secret, link = self._new_link(person, by)
+        await self.register.put(person, [link], by=by)
         return secret
+
+    def _new_link(self, person: Person | None, by: str) -> tuple[str, NewCredential]:
+        secret, until = new_secret(), self.register.time.in_future(LINK_DAYS)
+        number = None if person is None else person.id
+        return secret, NewCredential(CredentialKind.LINK, number, fingerprint(secret), until, {"by": by})
 
     def invited(self, secret: str) -> Person | None:
         """Return whom a link is for; None where it was used or has expired."""
@@ -165,44 +162,46 @@ class Accounts:
     async def accept(self, secret: str, chosen: Preferences, address: str) -> SignedIn:
         """Let somebody choose a password by their link; raises SignInRefusedError, AccountRefusedError."""
         with self.attempts.by_link(address):
-            _require_usable(chosen)
             record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
             person = None if record is None else self.register.person(record.person_id)
             if record is None or person is None:
-                raise SignInRefusedError(_LINK_IS_OVER)
-            if chosen.password is None:
-                raise AccountRefusedError(message("people.choose_password"))
-            # Before the password is hashed: whoever uses the link meanwhile finds that it opens nothing.
-            await self.register.revoke(record.id, by=person.name)
-            await self.choose(person, chosen)
-        return await self.sign_ins.opened(person, "", address)
+                raise SignInRefusedError(LINK_IS_OVER)
+        if chosen.password is None:
+            raise AccountRefusedError(message("people.choose_password"))
+        kept = await self.choose(person, chosen, resting_on=[record.id])
+        return await self.sign_ins.opened(person, "", address, resting_on=kept)
 
-    async def choose(self, person: Person, chosen: Preferences) -> None:
-        """Keep what somebody chose; a new password closes every tablet they had opened."""
+    async def choose(
+        self, person: Person, chosen: Preferences, *, resting_on: Collection[int] = ()
+    ) -> list[int]:
+        """Keep what somebody chose, and return its numbers.
+
+        A new password closes every tablet they had opened, and every link to choose one. Raises
+        SignInRefusedError where what it rests on was taken back meanwhile, and AccountRefusedError.
+        """
+        new = await self._kept(person, chosen)
+        ends = () if chosen.password is None else (CredentialKind.SIGN_IN, CredentialKind.LINK)
+        kept = await self.register.put(person, new, ends=ends, resting_on=resting_on, by=person.name)
+        return [record.id for record in kept]
+
+    async def _kept(self, person: Person | None, chosen: Preferences) -> list[NewCredential]:
+        """Return what is to be kept of what somebody chose; raises AccountRefusedError."""
         _require_usable(chosen)
-        if chosen.password is not None:
-            opened = self.register.of(person.id, CredentialKind.SIGN_IN)
-            kept = await asyncio.to_thread(chosen_hash, chosen.password)
-            await self._put(person, CredentialKind.PASSWORD, kept)
-            await self.register.revoke(*(record.id for record in opened), by=person.name)
-        if chosen.pin is not None:
-            await self._put(person, CredentialKind.PIN, await asyncio.to_thread(self.pins.kept, chosen.pin))
-        if chosen.badge is not None:
-            await self._choose_badge(person, chosen.badge)
+        hashes = {
+            CredentialKind.PASSWORD: (chosen_hash, chosen.password),
+            CredentialKind.PIN: (self.pins.kept, chosen.pin),
+            CredentialKind.BADGE: (self._badges.hashed, chosen.badge),
+        }
+        number = None if person is None else person.id
+        return [
+            NewCredential(kind, number, await self._hashes.of(hashed, secret))
+            for kind, (hashed, secret) in hashes.items()
+            if secret is not None
+        ]
 
     def has_pin(self, person: Person) -> bool:
         """Whether somebody has a PIN that counts here."""
         return any(self.pins.counts(r.hash) for r in self.register.of(person.id, CredentialKind.PIN))
-
-    async def _choose_badge(self, person: Person, badge: str) -> None:
-        others = [r for r in self.register.credentials if r.kind is CredentialKind.BADGE]
-        kept = await asyncio.to_thread(badge_hash, badge, [record.hash for record in others])
-        if any(record.hash == kept and record.person_id != person.id for record in others):
-            raise AccountRefusedError(message("people.badge"))
-        await self._put(person, CredentialKind.BADGE, kept)
-
-    async def _put(self, person: Person, kind: CredentialKind, kept: str) -> None:
-        await self.register.put(NewCredential(kind, person.id, kept), person.name)
 
     async def make_token(
         self, person: Person, name: str, role: Role, days: float, by: str
@@ -270,7 +269,7 @@ async def open_people(
     """Open all that concerns who asks; what was noted of acts is on disk when it closes.
 
     Raises StorageError where accounts cannot be read. An act that the disk refuses to the last is lost, and
-    the log says how many those were.
+    so is a revocation; the log says how many those were.
     """
     stored = CredentialRepository(database)
     register = Register(stored)
@@ -281,9 +280,11 @@ async def open_people(
     accounts = Accounts(register, pins, asked_for=asked_for, alone=alone)
     _warn_of_pins(accounts)
     following = asyncio.create_task(log.follow(), name="acts")
+    revoking = asyncio.create_task(register.follow(database.writable), name="revocations")
     try:
         yield PeopleService(accounts, Leases(elapsed_s), acts, log, Guesses(elapsed_s))
     finally:
+        revoking.cancel()
         log.end()
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(PATIENCE_S):

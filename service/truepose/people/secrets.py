@@ -7,12 +7,13 @@ A PIN is mixed with a secret of the installation; before its hash stands which o
 `1f0c99ab$argon2id$...`.
 """
 
+import asyncio
 import base64
 import hashlib
 import hmac
 import secrets
-from collections.abc import Iterable
-from typing import Final
+from collections.abc import Callable, Iterable
+from typing import Final, TypeVar
 from unicodedata import normalize
 
 from argon2 import PasswordHasher
@@ -21,9 +22,11 @@ from argon2.low_level import Type, hash_secret
 
 from truepose.storage.secret_files import Pepper, name_of
 
+T = TypeVar("T")
 MEMORY_KIB: Final = 19 * 1024
 PASSES: Final = 2
 _HASHER: Final = PasswordHasher(time_cost=PASSES, memory_cost=MEMORY_KIB, parallelism=1)
+_AT_ONCE: Final = 2  # each takes 19 MiB and a processor
 _HASH_BYTES: Final = 32
 _SALT_BYTES: Final = 16
 _RANDOM_BYTES: Final = 32
@@ -55,19 +58,25 @@ def matches(kept: str, secret: str) -> bool:
         return False
 
 
-def badge_hash(badge: str, others: Iterable[str]) -> str:
-    """Return what is kept of a badge; all badges of a service share a salt, so that one can be looked up."""
-    salt = next((_salt(kept) for kept in others), None) or secrets.token_bytes(_SALT_BYTES)
-    kept = hash_secret(
-        _typed(badge).encode(),
-        salt,
-        time_cost=PASSES,
-        memory_cost=MEMORY_KIB,
-        parallelism=1,
-        hash_len=_HASH_BYTES,
-        type=Type.ID,
-    )
-    return kept.decode()
+class Badges:
+    """Works out what is kept of badges; all of a service share a salt, so that one can be looked up."""
+
+    def __init__(self, kept: Iterable[str]) -> None:
+        """Go on with the salt of what is kept; where nothing is, with a new one."""
+        self._salt = next(map(_salt, kept), None) or secrets.token_bytes(_SALT_BYTES)
+
+    def hashed(self, badge: str) -> str:
+        """Return what is kept of a badge; takes a thirtieth of a second."""
+        kept = hash_secret(
+            _typed(badge).encode(),
+            self._salt,
+            time_cost=PASSES,
+            memory_cost=MEMORY_KIB,
+            parallelism=1,
+            hash_len=_HASH_BYTES,
+            type=Type.ID,
+        )
+        return kept.decode()
 
 
 def _salt(kept: str) -> bytes:
@@ -79,6 +88,18 @@ def _salt(kept: str) -> bytes:
 def _typed(secret: str) -> str:
     """Return a secret as every keyboard would send it."""
     return normalize("NFKC", secret)
+
+
+class SlowHashes:
+    """Has slow hashes worked out beside the event loop, a few at once."""
+
+    def __init__(self) -> None:
+        self._places = asyncio.Semaphore(_AT_ONCE)
+
+    async def of(self, work: Callable[..., T], *given: object) -> T:
+        """Return what `work` returns, once it is its turn."""
+        async with self._places:
+            return await asyncio.to_thread(work, *given)
 
 
 class Pins:

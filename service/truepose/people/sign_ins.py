@@ -5,7 +5,7 @@ who they are is fresh for five minutes. All this goes by a clock that nobody set
 nothing for fresh.
 """
 
-import asyncio
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,13 +14,12 @@ from truepose.messages.message import message
 from truepose.people.attempts import Attempts
 from truepose.people.errors import SignInRefusedError
 from truepose.people.register import NOBODY, Caller, Register
-from truepose.people.secrets import NOBODYS, Pins, badge_hash, fingerprint, matches, new_secret
+from truepose.people.secrets import NOBODYS, Badges, Pins, SlowHashes, fingerprint, matches, new_secret
 from truepose.storage.people import CredentialKind, CredentialRecord, NewCredential
 
 FRESH_S: Final = 5 * 60.0
 IDLE_S: Final = 12 * 3600.0
 LONGEST_DAYS: Final = 7
-_AT_ONCE: Final = 2  # each takes 19 MiB and a processor
 _REFUSED: Final = message("people.password_refused")
 _PIN_REFUSED: Final = message("people.pin_refused")
 _PIN_GONE: Final = message("people.pin_gone")
@@ -45,13 +44,16 @@ class SignedIn:
 class SignIns:
     """Browsers that somebody signed in, and who stands before them."""
 
-    def __init__(self, register: Register, attempts: Attempts, pins: Pins) -> None:
+    def __init__(
+        self, register: Register, attempts: Attempts, pins: Pins, badges: Badges, hashes: SlowHashes
+    ) -> None:
         self._register = register
         self._attempts = attempts
         self._pins = pins
+        self._badges = badges
+        self._hashes = hashes
         self._elapsed_s = register.time.elapsed_s
         self._used: dict[int, _Used] = {}
-        self._places = asyncio.Semaphore(_AT_ONCE)
 
     def caller_of(self, secret: str) -> Caller:
         """Return who is signed in with what a browser keeps; NOBODY where that opens nothing."""
@@ -78,31 +80,36 @@ class SignIns:
         """Open a tablet by a password; raises SignInRefusedError, TooManyGuessesError."""
         person = self._register.named(name)
         with self._attempts.at_door(person, name, address):
-            await self._require_password(person, password)
+            shown = await self._require_password(person, password)
         if person is None:
             raise SignInRefusedError(_REFUSED)
-        return await self.opened(person, tablet, address)
+        return await self.opened(person, tablet, address, resting_on=[shown])
 
-    async def opened(self, person: Person, tablet: str, address: str = "") -> SignedIn:
-        """Open a tablet for somebody who has shown who they are."""
-        self._attempts.places.note(person.id, address)
-        self._attempts.pins.forgive(person.id)
+    async def opened(
+        self, person: Person, tablet: str, address: str = "", *, resting_on: Collection[int] = ()
+    ) -> SignedIn:
+        """Open a tablet for somebody who has shown who they are, by credentials of these numbers."""
         until = self._register.time.in_future(LONGEST_DAYS)
         document = {"tablet_name": tablet, "opened_by": person.id, "address": address}
-        return await self._begun(person, until, document)
+        begun = await self._begun(person, until, document, resting_on)
+        self._attempts.places.note(person.id, address)
+        self._attempts.pins.forgive(person.id)
+        return begun
 
-    async def switch(self, here: Caller, who: Person | None, pin: str) -> SignedIn:
-        """Have somebody else stand before a tablet; raises SignInRefusedError, TooManyGuessesError."""
+    async def switch(self, here: Caller, name: str | None, badge: str | None, pin: str) -> SignedIn:
+        """Have somebody else, of a name or a badge, stand before a tablet; raises as `sign_in`."""
         record = None if here.sign_in is None else self._register.credential(here.sign_in)
         # A PIN counts only at a tablet that a password opened, as long as whoever opened it is let in.
         if record is None or self._register.person(record.document["opened_by"]) is None:
             raise SignInRefusedError(_NO_TABLET)
         with self._attempts.at_tablet(here.tablet):
-            await self._require_pin(who, pin, record)
+            who = await self._meant(name, badge)
+            shown = await self._require_pin(who, pin, record)
         if who is None:
             raise SignInRefusedError(_PIN_REFUSED)
+        document = {"tablet": here.tablet, **record.document}
         # It ends when the sign-in by password would have: PINs do not keep a tablet open beyond that.
-        begun = await self._begun(who, record.expires_at, {"tablet": here.tablet, **record.document})
+        begun = await self._begun(who, record.expires_at, document, [record.id, shown])
         await self._register.revoke(record.id, by=who.name)
         return begun
 
@@ -125,34 +132,32 @@ class SignIns:
             self._used.pop(here.sign_in, None)
             await self._register.revoke(here.sign_in, by=here.name)
 
-    async def badge_of(self, badge: str) -> Person | None:
-        """Return whose badge it is; None where it is nobody's."""
-        kept = [record.hash for record in self._register.credentials if record.kind is CredentialKind.BADGE]
-        if not kept:
-            return None
-        async with self._places:
-            found = await asyncio.to_thread(badge_hash, badge, kept)
+    async def _meant(self, name: str | None, badge: str | None) -> Person | None:
+        """Return whom a name or a badge means; None: nobody."""
+        if badge is None:
+            return None if name is None else self._register.named(name)
+        found = await self._hashes.of(self._badges.hashed, badge)
         record = self._register.opened_by(CredentialKind.BADGE, found)
         return None if record is None else self._register.person(record.person_id)
 
-    async def _require_password(self, person: Person | None, password: str) -> None:
+    async def _require_password(self, person: Person | None, password: str) -> int:
+        """Return the number of the password that is right; raises SignInRefusedError."""
         # Of a name that nobody has the same hash is worked out: the time tells nothing (decision 0057).
         kept = self._kept(person, CredentialKind.PASSWORD)
-        async with self._places:
-            right = await asyncio.to_thread(matches, NOBODYS if kept is None else kept, password)
+        right = await self._hashes.of(matches, NOBODYS if kept is None else kept.hash, password)
         if not right or kept is None:
             raise SignInRefusedError(_REFUSED)
+        return kept.id
 
-    async def _require_pin(self, person: Person | None, pin: str, tablet: CredentialRecord) -> None:
-        """Raise where a PIN is wrong, or was guessed at there too often."""
+    async def _require_pin(self, person: Person | None, pin: str, tablet: CredentialRecord) -> int:
+        """Return the number of the PIN; raises where it is wrong, or was guessed at there too often."""
         kept = self._kept(person, CredentialKind.PIN)
-        async with self._places:
-            right = await asyncio.to_thread(self._pins.match, kept, pin)
+        right = await self._hashes.of(self._pins.match, None if kept is None else kept.hash, pin)
         if person is None or kept is None:
             raise SignInRefusedError(_PIN_REFUSED)
-        if not self._pins.counts(kept):
+        if not self._pins.counts(kept.hash):
             raise SignInRefusedError(_PIN_GONE)
-        pins, number = self._attempts.pins, tablet.document.get("tablet", tablet.id)
+        pins, number = self._attempts.pins, _tablet_of(tablet)
         # Whoever stands or stood here has a count of their own here, so that wrong PINs typed elsewhere under
         # their name do not lock them out.
         if person.id in {tablet.person_id, tablet.document["opened_by"]}:
@@ -161,18 +166,27 @@ class SignIns:
             pins.note_wrong(person.id, number)
             raise SignInRefusedError(_PIN_REFUSED)
         pins.note_right(person.id, number)
+        return kept.id
 
-    def _kept(self, person: Person | None, kind: CredentialKind) -> str | None:
+    def _kept(self, person: Person | None, kind: CredentialKind) -> CredentialRecord | None:
         kept = () if person is None else self._register.of(person.id, kind)
-        return kept[-1].hash if kept else None
+        return kept[-1] if kept else None
 
-    async def _begun(self, person: Person, until: str | None, document: dict[str, object]) -> SignedIn:
+    async def _begun(
+        self, person: Person, until: str | None, document: dict[str, object], resting_on: Collection[int]
+    ) -> SignedIn:
         secret = new_secret()
         new = NewCredential(CredentialKind.SIGN_IN, person.id, fingerprint(secret), until, dict(document))
-        record = await self._register.keep(new)
+        record = await self._register.keep(new, resting_on=resting_on)
+        self._forget_ended()
         now_s = self._elapsed_s()
         self._used[record.id] = _Used(now_s, now_s)
         return SignedIn(_caller(person, record), secret)
+
+    def _forget_ended(self) -> None:
+        there = [r for r in self._register.credentials if r.kind is CredentialKind.SIGN_IN]
+        self._used = {r.id: self._used[r.id] for r in there if r.id in self._used}
+        self._attempts.pins.forget_others({_tablet_of(r) for r in there})
 
     def _is_in_use(self, record: CredentialRecord) -> bool:
         return self._elapsed_s() - self._use_of(record.id).used_s <= IDLE_S
@@ -183,12 +197,18 @@ class SignIns:
         return self._used.setdefault(number, _Used(self._elapsed_s()))
 
 
+def _tablet_of(record: CredentialRecord) -> int:
+    """Return the number of a tablet: of the sign-in that opened it."""
+    number: int = record.document.get("tablet", record.id)
+    return number
+
+
 def _caller(person: Person, record: CredentialRecord) -> Caller:
     return Caller(
         person.name,
         person.role,
         person,
-        tablet=record.document.get("tablet", record.id),
+        tablet=_tablet_of(record),
         tablet_name=record.document.get("tablet_name", ""),
         sign_in=record.id,
     )

@@ -3,8 +3,8 @@
 Of what opens the service only hashes are kept; what ends is revoked, never deleted.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -71,7 +71,7 @@ class EnteredPeople:
     people: tuple[Person, ...]
     credentials: tuple[CredentialRecord, ...]
     newest: str | None  # when the last credential was written, also one that is revoked by now
-    places: tuple[ShownAt, ...]  # oldest first
+    places: tuple[ShownAt, ...]  # each once, as of the newest sign-in there
 
 
 class CredentialRepository:
@@ -84,52 +84,74 @@ class CredentialRepository:
         """Return everything that counts now."""
         return await self._database.read(_entered)
 
-    async def enter(self, name: str, role: Role, by: str) -> Person:
-        """Enter somebody."""
+    async def enter(
+        self, name: str, role: Role, by: str, new: Sequence[NewCredential] = ()
+    ) -> tuple[Person, tuple[CredentialRecord, ...]]:
+        """Enter somebody with what opens the service to them, whoever that is said to be of: all or none."""
 
-        def work(connection: Connection) -> int:
-            number = add_row(connection, people, name=name)
-            add_row(connection, person_states, person_id=number, role=role.value, active=1, by=by)
-            return number
-
-        return Person(await self._database.write(work), name, role)
-
-    async def change(self, person: Person, by: str) -> None:
-        """Record what somebody may do from now on."""
-        values = {"person_id": person.id, "role": person.role.value, "active": int(person.active), "by": by}
-        await self._database.write(lambda c: add_row(c, person_states, **values))
-
-    async def add(self, new: NewCredential) -> CredentialRecord:
-        """Keep something that opens the service."""
-
-        def work(connection: Connection) -> CredentialRecord:
-            number = add_row(
-                connection,
-                credentials,
-                kind=new.kind.value,
-                person_id=new.person_id,
-                hash=new.hash,
-                expires_at=new.expires_at,
-                document=new.document,
-            )
-            found = connection.execute(select(credentials).where(credentials.c.id == number)).one()
-            return _credential(found)
+        def work(connection: Connection) -> tuple[Person, tuple[CredentialRecord, ...]]:
+            person = Person(add_row(connection, people, name=name), name, role)
+            _add_state(connection, person, by)
+            return person, _added(connection, [replace(one, person_id=person.id) for one in new])
 
         return await self._database.write(work)
 
-    async def revoke(self, numbers: tuple[int, ...], by: str) -> None:
+    async def change(
+        self, person: Person, by: str, new: Sequence[NewCredential] = (), gone: Sequence[int] = ()
+    ) -> tuple[CredentialRecord, ...]:
+        """Record what somebody may do from now on, and exchange what opens the service to them."""
+
+        def work(connection: Connection) -> tuple[CredentialRecord, ...]:
+            _add_state(connection, person, by)
+            return _exchanged(connection, new, gone, by)
+
+        return await self._database.write(work)
+
+    async def exchange(
+        self, new: Sequence[NewCredential], gone: Sequence[int], by: str
+    ) -> tuple[CredentialRecord, ...]:
+        """Keep what opens the service from now on, and record what opens nothing any more: all or none."""
+        return await self._database.write(lambda c: _exchanged(c, new, gone, by))
+
+    async def revoke(self, numbers: Sequence[int], by: str) -> None:
         """Record that these open nothing any more."""
+        await self.exchange((), numbers, by)
+
+
+def _add_state(connection: Connection, person: Person, by: str) -> None:
+    values = {"person_id": person.id, "role": person.role.value, "active": int(person.active), "by": by}
+    add_row(connection, person_states, **values)
+
+
+def _exchanged(
+    connection: Connection, new: Sequence[NewCredential], gone: Sequence[int], by: str
+) -> tuple[CredentialRecord, ...]:
+    if gone:
         # Revoked, not deleted: who could come in until when has to stay on record.
-        rows = [{"credential_id": number, "by": by} for number in numbers]
+        add_rows(connection, revocations, [{"credential_id": number, "by": by} for number in gone])
+        # In the same transaction: between two of them the hash of a PIN that counts no more could be read
+        # (commit 78613b0d).
+        take_out_pins(plain(connection), revoked_only=True)
+    return _added(connection, new)
 
-        def work(connection: Connection) -> None:
-            add_rows(connection, revocations, rows)
-            # In the same transaction: between two of them the hash of a PIN that counts no more could be read
-            # (commit 78613b0d).
-            take_out_pins(plain(connection), revoked_only=True)
 
-        if rows:
-            await self._database.write(work)
+def _added(connection: Connection, new: Iterable[NewCredential]) -> tuple[CredentialRecord, ...]:
+    numbers = [
+        add_row(
+            connection,
+            credentials,
+            kind=one.kind.value,
+            person_id=one.person_id,
+            hash=one.hash,
+            expires_at=one.expires_at,
+            document=one.document,
+        )
+        for one in new
+    ]
+    found = connection.execute(
+        select(credentials).where(credentials.c.id.in_(numbers)).order_by(credentials.c.id)
+    )
+    return tuple(map(_credential, found))
 
 
 def _entered(connection: Connection) -> EnteredPeople:
@@ -151,17 +173,20 @@ def _entered(connection: Connection) -> EnteredPeople:
         ),
         tuple(_credential(row) for row in connection.execute(valid)),
         connection.scalar(select(func.max(credentials.c.recorded_at))),
-        tuple(_places(connection)),
+        _places(connection),
     )
 
 
-def _places(connection: Connection) -> Iterator[ShownAt]:
+def _places(connection: Connection) -> tuple[ShownAt, ...]:
     # Revoked ones too: guesses from an address at which somebody once signed in are told from those of
     # strangers, also after they have signed out (commit 94ae199f).
     of_sign_ins = select(credentials).where(credentials.c.kind == CredentialKind.SIGN_IN.value)
+    newest: dict[tuple[int, str], ShownAt] = {}
     for row in connection.execute(of_sign_ins.order_by(credentials.c.id)):
-        if row.document.get("address"):
-            yield ShownAt(row.person_id, row.document["address"], row.recorded_at)
+        address = row.document.get("address")
+        if address:
+            newest[row.person_id, address] = ShownAt(row.person_id, address, row.recorded_at)
+    return tuple(newest.values())
 
 
 def _credential(row: Row[Any]) -> CredentialRecord:

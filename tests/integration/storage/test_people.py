@@ -21,8 +21,8 @@ async def test_nobody_is_entered_at_first(database):
 
 async def test_the_newest_state_of_a_person_counts(database):
     stored = CredentialRepository(database)
-    ada = await stored.enter("Ada", Role.OPERATOR, "Grace")
-    grace = await stored.enter("Grace", Role.ADMINISTRATOR, "Grace")
+    ada, _ = await stored.enter("Ada", Role.OPERATOR, "Grace")
+    grace, _ = await stored.enter("Grace", Role.ADMINISTRATOR, "Grace")
 
     await stored.change(Person(ada.id, "Ada", Role.METROLOGIST), "Grace")
     await stored.change(Person(grace.id, "Grace", Role.ADMINISTRATOR, active=False), "Ada")
@@ -35,9 +35,9 @@ async def test_the_newest_state_of_a_person_counts(database):
 
 async def test_what_was_revoked_opens_nothing(database):
     stored = CredentialRepository(database)
-    ada = await stored.enter("Ada", Role.OPERATOR, "Grace")
-    kept = await stored.add(NewCredential(CredentialKind.TOKEN, ada.id, "abc", None, {"name": "line"}))
-    gone = await stored.add(NewCredential(CredentialKind.PIN, ada.id, "def"))
+    ada, _ = await stored.enter("Ada", Role.OPERATOR, "Grace")
+    token = NewCredential(CredentialKind.TOKEN, ada.id, "abc", None, {"name": "line"})
+    kept, gone = await stored.exchange([token, NewCredential(CredentialKind.PIN, ada.id, "def")], (), "Grace")
 
     await stored.revoke((gone.id,), "Grace")
 

@@ -6,7 +6,7 @@ from fastapi import Request as HttpRequest
 from fastapi import Response, status
 from pydantic import AfterValidator, Field
 
-from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, Person, Role, tidy_name
+from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, Role, tidy_name
 from truepose.messages.message import message
 from truepose.people.accounts import LONGEST_SECRET, SHORTEST_PASSWORD, Preferences
 from truepose.people.errors import SignInRefusedError
@@ -170,8 +170,7 @@ async def switch_person(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: SwitchRequest
 ) -> CallerReply:
     """Have somebody else stand before this browser: by name or badge, and a PIN."""
-    who = await _meant(here, wanted)
-    switched = await here.people.accounts.sign_ins.switch(asked.caller, who, wanted.pin)
+    switched = await here.people.accounts.sign_ins.switch(asked.caller, wanted.name, wanted.badge, wanted.pin)
     return _signed_in(here, request, response, switched)
 
 
@@ -185,11 +184,11 @@ async def choose_secrets(
         raise SignInRefusedError(message("refused.sign_in"))
     sign_ins = here.people.accounts.sign_ins
     await sign_ins.show(asked.caller, CredentialKind.PASSWORD, wanted.present_password)
-    await here.people.accounts.choose(person, chosen_of(wanted))
+    kept = await here.people.accounts.choose(person, chosen_of(wanted), resting_on=[asked.caller.sign_in])
     # A new password has closed this browser too; it is opened anew for whoever has just proved who they are.
     if sign_ins.lasts(asked.caller):
         return caller_reply(here, asked.caller)
-    opened = await sign_ins.opened(person, asked.caller.tablet_name, asked.address)
+    opened = await sign_ins.opened(person, asked.caller.tablet_name, asked.address, resting_on=kept)
     return _signed_in(here, request, response, opened)
 
 
@@ -228,12 +227,6 @@ def caller_reply(here: Context, caller: Caller) -> CallerReply:
         fresh=accounts.sign_ins.is_fresh(caller),
         people=with_pin if caller.sign_in is not None else [],
     )
-
-
-async def _meant(here: Context, wanted: SwitchRequest) -> Person | None:
-    if wanted.badge is not None:
-        return await here.people.accounts.sign_ins.badge_of(wanted.badge)
-    return None if wanted.name is None else here.people.accounts.register.named(wanted.name)
 
 
 def _signed_in(here: Context, request: HttpRequest, response: Response, signed_in: SignedIn) -> CallerReply:

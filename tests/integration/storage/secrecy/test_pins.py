@@ -20,10 +20,12 @@ PASSWORD = "$argon2id$of a password"
 
 async def chosen(stored):
     """Enter Ada with a password and a PIN that took the place of another one."""
-    ada = await stored.enter("Ada", Role.OPERATOR, "Grace")
-    await stored.add(NewCredential(CredentialKind.PASSWORD, ada.id, PASSWORD))
-    before = await stored.add(NewCredential(CredentialKind.PIN, ada.id, FIRST))
-    await stored.add(NewCredential(CredentialKind.PIN, ada.id, SECOND))
+    ada, _ = await stored.enter("Ada", Role.OPERATOR, "Grace")
+    kept = {CredentialKind.PASSWORD: PASSWORD, CredentialKind.PIN: FIRST}
+    _, before = await stored.exchange(
+        [NewCredential(kind, ada.id, it) for kind, it in kept.items()], (), "Ada"
+    )
+    await stored.exchange([NewCredential(CredentialKind.PIN, ada.id, SECOND)], (), "Ada")
     await stored.revoke((before.id,), "Ada")
 
 

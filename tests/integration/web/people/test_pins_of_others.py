@@ -24,7 +24,7 @@ async def signed_in(app):
             (CredentialKind.PIN, accounts.pins.kept(PIN)),
             (CredentialKind.PASSWORD, chosen_hash(PASSWORD)),
         ):
-            await accounts.register.put(NewCredential(kind, ada.id, kept), "a test")
+            await accounts.register.put(ada, [NewCredential(kind, ada.id, kept)], by="a test")
     browser = client_of(app)
     browser.headers.update(ORIGIN)
     browser.cookies.set("truepose_sign_in", (await accounts.sign_ins.opened(ada, "cell 3")).secret)

@@ -1,5 +1,6 @@
 """Signing in, standing before a shared tablet, and showing once more who it is."""
 
+import asyncio
 import dataclasses
 import time
 
@@ -8,10 +9,15 @@ import pytest
 from tests.helpers.web.clients import client_of, command, served
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN
 from truepose.app import create_app
+from truepose.domain.people import Role
+from truepose.people import secrets
+from truepose.people.accounts import Preferences
 from truepose.people.attempts import GUESSES
+from truepose.people.errors import AccountRefusedError
 from truepose.people.secrets import new_secret
 from truepose.people.sign_ins import FRESH_S, IDLE_S
 from truepose.settings import Settings
+from truepose.storage.people import CredentialKind
 
 PRESENT = "/api/v1/sign-ins/present"
 FIRST = {"name": "Ada Byron", "password": PASSWORD, "pin": PIN}
@@ -181,6 +187,41 @@ async def test_a_badge_says_who_and_the_pin_proves_it(ada):
     right = await ada.post(f"{PRESENT}/person", json={"badge": "0007421993", "pin": PIN})
 
     assert (wrong.status_code, foreign.status_code, right.status_code) == (401, 401, 200)
+
+
+async def test_badges_are_looked_up_only_as_often_as_it_may_be_guessed(ada, monkeypatch):
+    looked_up = []
+    monkeypatch.setattr(secrets.Badges, "hashed", lambda self, badge: looked_up.append(badge) or badge)
+
+    guess = {"badge": "0007421994", "pin": "9999"}
+    told = [(await ada.post(f"{PRESENT}/person", json=guess)).status_code for _ in range(GUESSES + 3)]
+
+    assert told == [401] * GUESSES + [429] * 3
+    assert len(looked_up) == GUESSES
+
+
+async def test_the_first_badges_of_a_service_are_not_the_same(ada, accounts):
+    grace = await accounts.register.enter("Grace Hopper", Role.OPERATOR, "a test")
+    people = [*accounts.register.people[:1], grace]
+
+    chosen = [accounts.choose(person, Preferences(badge="0007421993")) for person in people]
+    ends = await asyncio.gather(*chosen, return_exceptions=True)
+
+    assert [isinstance(end, AccountRefusedError) for end in ends].count(True) == 1
+    badges = [r for r in accounts.register.credentials if r.kind is CredentialKind.BADGE]
+    assert len(badges) == 1
+
+
+async def test_a_pin_that_is_refused_costs_no_guess_of_a_link(ada, elsewhere):
+    entered = (await ada.post("/api/v1/people", json={"name": "Alan Turing", "role": "operator"})).json()
+    wanted = {"secret": entered["link"].removeprefix("/welcome/"), "password": PASSWORD}
+
+    told = [
+        await elsewhere.post("/api/v1/links/accepted", json=wanted | {"pin": pin})
+        for pin in [*["1111"] * (GUESSES + 1), PIN]
+    ]
+
+    assert [one.status_code for one in told] == [409] * (GUESSES + 1) + [201]
 
 
 async def test_a_pin_opens_no_tablet_that_nobody_signed_in(ada, elsewhere):

@@ -62,9 +62,10 @@ async def measured(database):
     """A session with readings between people, their secrets and their acts."""
     sessions, people = SessionRepository(database), CredentialRepository(database)
     number = await sessions.add("first", make_setup(), make_plan(), RequestKey(f"{CANARY}-key", "f" * 64))
-    ada = await people.enter(f"Ada {CANARY}", Role.ADMINISTRATOR, "a test")
-    for kind in CredentialKind:
-        await people.add(NewCredential(kind, ada.id, f"{CANARY}-{kind}", None, {"name": CANARY}))
+    secrets = [
+        NewCredential(kind, None, f"{CANARY}-{kind}", None, {"name": CANARY}) for kind in CredentialKind
+    ]
+    await people.enter(f"Ada {CANARY}", Role.ADMINISTRATOR, "a test", secrets)
     await people.revoke((1,), CANARY)
     await ActRepository(database).add([PersonsAct("now", "sign_in", f"/{CANARY}", 201, CANARY)])
     ledger = LedgerRepository(database)

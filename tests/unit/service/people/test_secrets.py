@@ -11,7 +11,7 @@ from truepose.people.attempts import Guesses
 from truepose.people.errors import TooManyGuessesError
 from truepose.people.secrets import (
     NOBODYS,
-    badge_hash,
+    Badges,
     chosen_hash,
     fingerprint,
     matches,
@@ -23,7 +23,7 @@ NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
 
 
 def test_what_somebody_chose_is_kept_as_argon2id_of_19_mib_in_two_passes():
-    for kept in (chosen_hash("on the looms of Lyon"), NOBODYS, badge_hash("0007421993", [])):
+    for kept in (chosen_hash("on the looms of Lyon"), NOBODYS, Badges([]).hashed("0007421993")):
         made = extract_parameters(kept)
         assert (made.type, made.memory_cost >= 19 * 1024, made.time_cost >= 2) == (Type.ID, True, True)
 
@@ -43,11 +43,11 @@ def test_a_secret_is_that_one_and_no_other_however_it_was_typed():
 
 
 def test_a_badge_is_looked_up_among_others():
-    first = badge_hash("0007421993", [])
-    second = badge_hash("0007421994", [first])
+    badges = Badges([])
+    first, second = badges.hashed("0007421993"), badges.hashed("0007421994")
 
-    assert badge_hash("0007421994", [first, second]) == second != first
-    assert badge_hash("0007421994", []) != second  # another installation's
+    assert Badges([first, second]).hashed("0007421994") == second != first
+    assert Badges([]).hashed("0007421994") != second  # another installation's
 
 
 def test_random_secrets_are_long_and_only_their_hash_is_kept():
