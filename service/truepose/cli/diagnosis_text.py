@@ -19,13 +19,15 @@ from truepose.reports.diagnosis.rows import DescribedRow, described_rows, descri
 from truepose.reports.error_tables import title_of
 from truepose.reports.rounding import millimetres, p_value, with_uncertainty
 from truepose.reports.tables import on_terminal
+from truepose.validation.outcome import outcome_of
 
 _HELD_OUT = {"validation": "terminal.validation", "cross_validation": "terminal.cross_validation"}
 
 
 def diagnosis_lines(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
-    """Yield the message first, then findings, what was withdrawn, what is left, and what to measure next."""
+    """Yield outcome and message, then findings, what was withdrawn, what is left, what to measure next."""
     message, left = words.spoken(diagnosis.message), words.spoken(diagnosis.remaining.sentence)
+    yield words.spoken(outcome_of(diagnosis))
     yield message
     for number, finding in enumerate(diagnosis.findings, start=1):
         yield f"{number}. {words.spoken(finding.sentence)}"
@@ -84,8 +86,8 @@ def _gain(gain: Gain | None, words: Catalogue) -> str:
     if gain is None:
         return words.say("terminal.no_gain")
     low, high = map(millimetres, gain.interval_95_mm)
-    before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
-    return words.say("terminal.gain", before=before, after=after, low=low, high=high)
+    difference = millimetres(gain.rms_before_mm - gain.rms_after_mm)
+    return words.say("terminal.gain", difference=difference, low=low, high=high)
 
 
 def _variables(remaining: Remaining, words: Catalogue) -> Iterator[str]:

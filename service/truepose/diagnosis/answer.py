@@ -27,7 +27,12 @@ from truepose.diagnosis.curves import (
     remaining_curve,
     unseen_of,
 )
-from truepose.diagnosis.evidence.held_out_errors import CrossValidation, Improvement, on_validation
+from truepose.diagnosis.evidence.held_out_errors import (
+    CrossValidation,
+    Improvement,
+    nominal_errors,
+    on_validation,
+)
 from truepose.diagnosis.evidence.residual_structure import (
     Relation,
     Remainder,
@@ -269,6 +274,7 @@ def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]
     verdict = _verdict(bool(findings), left.structure)
     before = statistics(judged.errors.before_mm, judged.noise_mm)
     after = statistics(judged.errors.after_mm, judged.noise_mm)
+    nominal = nominal_fit(start.problem, start.fit)
     # The small ones too: a cause that has a finding is not reported as "not found".
     named = frozenset(Cause(one.effect, one.subject) for one in found)
     return Diagnosis(
@@ -287,8 +293,9 @@ def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]
         withdrawn=withdrawn,
         noise=noise_of(left),
         errors=judged.errors,
-        model=_model(answer),
+        model=_model(answer, nominal),
         small=small,
+        nominal=statistics(nominal_errors(start.campaign, nominal), judged.noise_mm),
     )
 
 
@@ -358,7 +365,7 @@ def _sentence(shown: Description) -> Text:
     return message("causes.impossible", sentence=shown.sentence, why=shown.limits.why)
 
 
-def _model(answer: _Answer) -> Model:
+def _model(answer: _Answer, nominal: RobustFit) -> Model:
     """Return the extended model, fitted without what only the diagnosis needed."""
     start, full = answer.start, answer.end
     structure = full.structure.without(_only_of_diagnosis(start.campaign))
@@ -369,7 +376,6 @@ def _model(answer: _Answer) -> Model:
     values = np.array([full.values[full.structure.index_of(name)] for name in structure.names])
     solution = refit(structure, blocks, values)
     plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
-    nominal = nominal_fit(start.problem, start.fit)
     honest = with_open_shapes(plain, answer.found)
     fits = Fits(start.campaign, honest, nominal, propagate_certificates(start.campaign, honest).total)
     short = shortfall(honest, start.problem.setting)

@@ -264,6 +264,9 @@ class Diagnosis:
     # In the model and followed from diagnosis to diagnosis, but no causes that the first sentence would
     # count.
     small: tuple[Finding, ...] = ()  # they take less than 2 % off the held-out error; in the model as well
+    # Of the robot as its maker describes it, on the same readings as `before` and `after`: those start from a
+    # model that is fitted already, and a calibration that halved every error read as one that did nothing.
+    nominal: Statistics | None = None  # None in what was stored before it was told
 
     @property
     def all_findings(self) -> tuple[Finding, ...]:

@@ -268,3 +268,8 @@ class Identification:
     relative: NominalAndIdentified | None = None  # held-out positions after the best rigid alignment
     calibration_turns: TurnPair | None = None  # None: no orientations were used
     validation_turns: TurnPair | None = None
+
+    @property
+    def judging(self) -> NominalAndIdentified | None:
+        """The figures that judge the model: validation, else cross-validation, else calibration."""
+        return self.validation or self.cross_validation or self.calibration

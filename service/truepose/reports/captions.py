@@ -36,7 +36,10 @@ def errors_sentence(before_mm: FloatArray, after_mm: FloatArray) -> Text:
         Sizes of the errors of the same readings.
     """
     before, after = (float(np.quantile(sizes, _MOST)) for sizes in (before_mm, after_mm))
-    key = "seen.errors.better" if after < before else "seen.errors.no_better"
+    if np.array_equal(before_mm, after_mm):
+        key = "seen.errors.same"
+    else:
+        key = "seen.errors.better" if after < before else "seen.errors.no_better"
     told = message(key, before=millimetres(before), after=millimetres(after))
     far = int((after_mm > _FAR * np.median(after_mm)).sum())
     if not far:

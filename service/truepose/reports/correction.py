@@ -137,6 +137,7 @@ def _front(report: CorrectionReport, sentence: str, words: Catalogue) -> Front:
         title=words.say("correct.of", name=report.name),
         look=graded(True) if whole else "partly_explained" if totals.solved else graded(False),
         word=words.say("front.correction.whole" if whole else "front.correction.part"),
+        outcome=words.say("outcome.unproved"),
         sentence=sentence,
         robot=report.robot,
         figure=figure,

@@ -30,6 +30,7 @@ class Front:
     title: str
     look: str  # of the verdict, as `shape.html` knows it
     word: str
+    outcome: str  # what every result begins with
     sentence: str
     robot: str
     figure: OneFigure | None = None

@@ -1,17 +1,18 @@
 """Covers of tests whose figures are held against a limit: within it or not, or that none was set."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from markupsafe import Markup
 
 from truepose.domain.validation import Decision, DecisionRule
 from truepose.messages.catalogue import Catalogue
-from truepose.messages.message import Text, message, together
+from truepose.messages.message import Message, Text, message, together
 from truepose.reports.cover_page import DECIDED, Front, OneFigure, applied_rule, graded
 from truepose.reports.pages import rendered
 from truepose.reports.rounding import format_rounded, uncertainty_mm
+from truepose.validation.outcome import judgement
 from truepose.validation.uncertainty import Figure
 from truepose.validation.validate import decide_figures
 
@@ -95,6 +96,7 @@ class LimitedTest:
             title=self.title,
             look=graded(good),
             word=words.say(key),
+            outcome=words.spoken(self._outcome(decision, worst)),
             sentence=words.spoken(self._sentence(decision, name, worst)),
             robot=self.robot,
             figure=None if worst is None else self._figure(name, worst, words),
@@ -106,7 +108,11 @@ class LimitedTest:
     def _decision(self, limit: Limit) -> Decision | None:
         if limit.limit_mm is None or not self.named:
             return None
-        return decide_figures([figure for _, figure in self.named], limit.limit_mm, limit.rule)
+        decision = decide_figures([figure for _, figure in self.named], limit.limit_mm, limit.rule)
+        # What was withheld or skipped may have been beyond the limit; a failure stays one (commit b4587e21).
+        if self.lacks and decision.verdict == "conforms":
+            return replace(decision, verdict="cannot be decided")
+        return decision
 
     def _verdict(self, decision: Decision | None) -> tuple[str, bool | None]:
         """Return the word and whether it is good; what was not measured cannot pass."""
@@ -114,9 +120,14 @@ class LimitedTest:
             return "front.nothing", None
         if decision is None:
             return "front.no_limit_set", None
-        key, good = DECIDED[decision.verdict]
-        # What was withheld or skipped may have been beyond the limit; a failure stays one (commit b4587e21).
-        return DECIDED["cannot be decided"] if good and self.lacks else (key, good)
+        return DECIDED[decision.verdict]
+
+    def _outcome(self, decision: Decision | None, worst: Figure | None) -> Message:
+        if worst is None:
+            return message("outcome.nothing")
+        size = format_rounded(abs(worst.value), worst.standard_uncertainty, "mm")
+        judged = judgement(decision)
+        return message("outcome.figure", name=message(self.of.name), size=size, judged=judged)
 
     def _sentence(self, decision: Decision | None, name: str, worst: Figure | None) -> Text:
         if worst is None:

@@ -19,6 +19,7 @@ from truepose.reports.figures.histograms import comparison
 from truepose.reports.report import Description, Report
 from truepose.reports.rounding import format_fixed, millimetres
 from truepose.reports.tables import Table
+from truepose.validation.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +105,7 @@ def proof_front(proof: Proof, robot: str, words: Catalogue) -> Front:
         title=words.say("proof.title", robot=robot),
         look=verdict.look,
         word=words.say(verdict.word),
+        outcome=words.spoken(Outcome(proof.before, proof.after).sentence),
         sentence=words.spoken(proof_sentence(proof)),
         robot=robot,
         figure=gain,

@@ -102,6 +102,7 @@ class Report(ABC):
             "words": words,
             "say": words.say,
             "robot": found.robot,
+            "outcome": "" if found.front is None else found.front.outcome,
             "conditions": self.conditions,
             "condition_rows": tuple(condition_rows(self.conditions, words)),
             "audit": self.audit,

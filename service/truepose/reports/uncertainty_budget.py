@@ -22,7 +22,6 @@ from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.verdict.judge import Assessment
 from truepose.kinematics.frames import placement_translation
 from truepose.messages.message import Message, Text, message
-from truepose.reports.identification.judged_figures import judging_figures
 from truepose.reports.rounding import uncertainty
 from truepose.reports.traceability import NOT_STATED, ReportConditions
 
@@ -167,7 +166,7 @@ def budget(
     conditions: ReportConditions,
 ) -> Budget | None:
     """Return the budget of the mean errors in the headline; None where nothing was fitted."""
-    model, figures = identification.model, judging_figures(identification)
+    model, figures = identification.model, identification.judging
     if model is None or figures is None:
         return None
     rows = (

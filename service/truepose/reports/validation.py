@@ -15,7 +15,7 @@ from truepose.domain.validation import Decision, DistanceBin, ErrorsByPlace, Val
 from truepose.identification import judge
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
-from truepose.messages.message import Message, Text, message, together
+from truepose.messages.message import Message, Text, message
 from truepose.reports.cover_page import DECIDED, Front, OneFigure, applied_rule, error_bars, graded
 from truepose.reports.error_tables import Row, error_table, pair_rows, title_of, turns_table
 from truepose.reports.pose_test import pose_test_context, stated_conditions
@@ -24,6 +24,7 @@ from truepose.reports.rounding import format_rounded, millimetres, uncertainty, 
 from truepose.reports.tables import Table, on_terminal
 from truepose.reports.traceability import NOT_STATED, ReportConditions, with_temperature
 from truepose.validation.iso9283.pose_test import PoseTest
+from truepose.validation.outcome import outcome_of
 from truepose.validation.uncertainty import DecidingReading, deciding_reading, known
 
 _DECIDED: Final = {
@@ -48,14 +49,12 @@ def decision_sentence(validation: Validation) -> Message | None:
 
 
 def verdict_sentence(validation: Validation) -> Message:
-    """Return whether the model passes, and by which measure."""
-    if validation.limit_mm is None:
-        return _without_limit(validation)
-    key = "validation.within_limit" if validation.passed else "validation.beyond_limit"
-    return message(key, limit_mm=validation.limit_mm)
+    """Return by which rule the limit was judged; without one, whether the model errs as it claims."""
+    return decision_sentence(validation) or claim_sentence(validation)
 
 
-def _without_limit(validation: Validation) -> Message:
+def claim_sentence(validation: Validation) -> Message:
+    """Return whether the model errs as it claims."""
     if validation.passed:
         return message("validation.as_claimed")
     if validation.position.identified.mean_mm > validation.position.nominal.mean_mm:
@@ -91,7 +90,6 @@ class ValidationReport(Report):
         filled_in = {
             "validation": found,
             "verdict": verdict_sentence(found),
-            "decision": decision_sentence(found),
             "remarks": self.remarks,
             "errors": validation_table(found, words),
             "turns": turns_table(found, words),
@@ -172,19 +170,20 @@ def validation_summary(validation: Validation, words: Catalogue = IN_ENGLISH) ->
     turns = turns_table(validation, words)
     if turns.rows:
         tables.append(on_terminal(turns, words.say("turns.title")))
-    told = verdict_sentence(validation), decision_sentence(validation)
-    return Group(*tables, *(Line(words.spoken(sentence)) for sentence in told if sentence))
+    return Group(
+        Line(words.spoken(outcome_of(validation))), *tables, Line(words.spoken(verdict_sentence(validation)))
+    )
 
 
 def validation_front(found: Validation, robot: str, words: Catalogue, title: str = "") -> Front:
     """Return whether the robot passes, against which limit and by which rule."""
     key, good = _validation_verdict(found)
-    sentence, decided = verdict_sentence(found), decision_sentence(found)
     return Front(
         title=title or words.say("validation.title", robot=robot),
         look=graded(good),
         word=words.say(key),
-        sentence=words.spoken(sentence if decided is None else together(sentence, decided)),
+        outcome=words.spoken(outcome_of(found)),
+        sentence=words.spoken(verdict_sentence(found)),
         robot=robot,
         figure=_largest(found, words),
         picture=error_bars(found.position.nominal, found.position.identified, words, found.limit_mm),

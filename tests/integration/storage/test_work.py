@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.storage.demo_database import write_demo
 from truepose.storage.database import Database
-from truepose.storage.results.items import WorkKind
+from truepose.storage.results.items import HELD_OUT, WorkKind
 from truepose.storage.results.lineage import Lineages, WorkList
 
 _EVERY = tuple(WorkKind)
@@ -61,6 +61,7 @@ async def test_each_kind_says_its_state_and_its_robot(work):
 
     assert found["session", 1].state == "finished"
     assert found["session", 1].role == "calibration"
+    assert found["campaign", 1].role == HELD_OUT
     assert found["diagnosis", 1].state == "consistent"
     assert found["validation", 1].state == "passed"
     assert {item.robot for item in found.values()} == {"ABB IRB 120"}

@@ -25,6 +25,7 @@ from truepose.domain.singular_covariance import solve_singular
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import of_legs, signature_of
 from truepose.identification.distributions import chi2_median
+from truepose.identification.fit.assessment import held_out_residuals
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import ObservationBlock
@@ -252,6 +253,26 @@ def on_validation(
     # The same fit means that nothing was described: there is no gain to tell.
     more = None if fits[1] is selected.fit else gain_of(found, ends.identified_mm, site)
     return Improvement(errors, gains, (), site, expected_noise_mm(block), "validation", beyond, more)
+
+
+def nominal_errors(campaign: Campaign, nominal: RobustFit) -> FloatArray:
+    """Return the errors of the nominal robot on the readings that judge.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    nominal : RobustFit
+        Base and unknown nests alone, around the nominal robot.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        On validation readings; without any, on each reading of the fit as if it had been left out [mm].
+    """
+    block = validation_block(campaign, nominal.structure)
+    if block is None:
+        return held_out_residuals(nominal)[0]
+    return _residual(block, nominal.structure, nominal.values)
 
 
 def _beyond(ends: Assessment) -> float:

@@ -9,7 +9,16 @@ from pydantic import AliasChoices, BeforeValidator, Field
 
 from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.document import Document, Quantities, Quantity, Spoken, StatisticsDocument
+from truepose.exchange.results.document import (
+    OUTCOME,
+    Document,
+    FieldSource,
+    Quantities,
+    Quantity,
+    Spoken,
+    StatisticsDocument,
+)
+from truepose.validation.outcome import outcome_of
 
 
 class CauseDocument(Document):
@@ -188,6 +197,7 @@ class DiagnosisDocument(Document):
 
     robot: str
     verdict: Verdict
+    outcome: Annotated[Spoken, FieldSource("", outcome_of)] = OUTCOME
     message: Spoken
     start_effects: list[str]
     findings: list[FindingDocument]
@@ -197,6 +207,7 @@ class DiagnosisDocument(Document):
         description="Each takes less than 2 % off the held-out error; in the model as well.",
     )
     quantity: str = Field(examples=["position"])
+    nominal: StatisticsDocument | None = Field(None, description="Of the robot as its maker describes it.")
     before: StatisticsDocument | None
     after: StatisticsDocument | None
     held_out: HeldOut

@@ -49,6 +49,11 @@ def in_file_unit(name: str) -> FieldSource:
 
 
 UNIT: Final = FieldSource("unit", file_unit)
+OUTCOME: Final = Field(
+    "",
+    description="What every result begins with: error before and after, limit, pass or fail.",
+    examples=["Mean error 0.499 mm before (nominal), 0.033 mm after; largest 0.0811 mm, limit 0.1 mm: pass."],
+)
 
 
 class Outgoing(BaseModel):

@@ -12,6 +12,7 @@ from truepose.domain.identification import (
 )
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
+    OUTCOME,
     UNIT,
     Document,
     FieldSource,
@@ -23,6 +24,7 @@ from truepose.exchange.results.document import (
     in_file_unit,
 )
 from truepose.identification.resampling import Spread, Way
+from truepose.validation.outcome import outcome_of
 
 
 class BlocksDocument(Document):
@@ -100,6 +102,7 @@ class IdentificationDocument(Document):
 
     robot: str
     status: Status
+    outcome: Spoken = OUTCOME
     message: Spoken
     quantity: Literal["position", "length"]
     effects: list[str]
@@ -114,7 +117,8 @@ class IdentificationDocument(Document):
     @classmethod
     def of_robot(cls, identification: Identification, robot: str) -> Self:
         """Return the document of an identification, whatever its status."""
-        return cls.of(identification, robot=robot, statistics=_blocks(identification))
+        outcome = outcome_of(identification)
+        return cls.of(identification, robot=robot, outcome=outcome, statistics=_blocks(identification))
 
 
 def _blocks(identification: Identification) -> dict[str, NominalAndIdentified | TurnPair]:

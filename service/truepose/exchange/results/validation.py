@@ -9,6 +9,7 @@ from pydantic import AliasChoices, Field
 from truepose.domain.validation import DecisionRule, Validation, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
+    OUTCOME,
     UNIT,
     Document,
     FieldSource,
@@ -22,6 +23,7 @@ from truepose.exchange.results.document import (
 )
 from truepose.validation.cautions import pose_test_caution
 from truepose.validation.iso9283.pose_test import CommandedBy, PoseTest
+from truepose.validation.outcome import outcome_of
 
 
 class HistogramDocument(Document):
@@ -126,6 +128,7 @@ class ValidationUncertaintyDocument(Document):
 class ValidationDocument(Document):
     """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
 
+    outcome: Annotated[Spoken, FieldSource("", outcome_of)] = OUTCOME
     quantity: Literal["position", "length"]
     position: PairDocument
     relative: PairDocument | None = Field(
@@ -236,7 +239,7 @@ class AccuracyDocument(ValidationDocument):
 
 def accuracy_document(validation: Validation, test: PoseTest | None) -> AccuracyDocument:
     """Return both as one document."""
-    return AccuracyDocument.of(validation, iso9283=test)
+    return AccuracyDocument.of(validation, iso9283=test, outcome=outcome_of(validation))
 
 
 def pose_test_document(test: PoseTest) -> dict[str, Json]:

@@ -182,15 +182,14 @@ def _interval(finding: Finding, words: Catalogue) -> str:
 
 
 def gain_text(gain: Gain | None, words: Catalogue = IN_ENGLISH) -> tuple[str, str]:
-    """Return what a finding takes off the held-out RMS with its interval, and the two RMS."""
+    """Return what a finding takes off the held-out RMS with its interval, and of what."""
     if gain is None:
         return words.say("finding.gain.unknown"), words.say("finding.gain.unknown.remark")
     low, high = (with_minus(millimetres(end)) for end in gain.interval_95_mm)
     difference = with_minus(millimetres(gain.rms_before_mm - gain.rms_after_mm))
-    before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
     return (
         words.say("finding.gain.value", difference=difference, low=low, high=high),
-        words.say("finding.gain.remark", before=before, after=after),
+        words.say("finding.gain.remark"),
     )
 
 

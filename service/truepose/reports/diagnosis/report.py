@@ -42,6 +42,7 @@ from truepose.reports.report import Description, Report
 from truepose.reports.rounding import MISSING, format_fixed, millimetres, with_minus
 from truepose.reports.tables import Remarked, Table, heads_of
 from truepose.reports.traceability import ReportConditions, condition_rows
+from truepose.validation.outcome import outcome_of
 
 _HELD_OUT = {
     ("validation", "position"): "report.held_out.positions",
@@ -101,6 +102,7 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
         title=words.say("report.title", robot=diagnosis.robot),
         look=verdict.look,
         word=verdict.word,
+        outcome=words.spoken(outcome_of(diagnosis)),
         sentence=words.spoken(diagnosis.message),
         robot=diagnosis.robot,
         rule=verdict.meaning,
@@ -110,19 +112,22 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
         return front
     return replace(
         front,
-        figure=_gained(before, after, words),
-        # Not nominal and identified: both models are identified, and the cover once called the first one
-        # nominal (commit 5ccf6558).
-        picture=error_bars(before, after, words, names=("before", "after")),
-        caption=words.say("front.bars.diagnosis"),
+        figure=_left(diagnosis, after, words),
+        picture=_bars(diagnosis.nominal, before, after, words),
+        caption=words.say("front.bars.diagnosis" if diagnosis.nominal is None else "front.bars"),
     )
 
 
-def _gained(before: Statistics, after: Statistics, words: Catalogue) -> OneFigure:
-    remark = words.say("front.rms_before", before=millimetres(before.rms_mm))
-    return OneFigure(
-        words.say("report.rms_after"), words.units.quantity(millimetres(after.rms_mm), "mm"), remark
-    )
+def _bars(nominal: Statistics | None, before: Statistics, after: Statistics, words: Catalogue) -> Markup:
+    """Draw what the outcome says; the start model is called what it is where nothing nominal was recorded."""
+    if nominal is None:
+        return error_bars(before, after, words, names=("before", "after"))
+    return error_bars(nominal, after, words)
+
+
+def _left(diagnosis: Diagnosis, after: Statistics, words: Catalogue) -> OneFigure:
+    value = words.units.quantity(millimetres(after.mean_mm), "mm")
+    return OneFigure(words.say("headline.mean_after"), value, _held_out(diagnosis, words))
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,13 +164,15 @@ def _held_out(diagnosis: Diagnosis, words: Catalogue) -> str:
 
 
 def errors_table(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Table | None:
-    """Return the held-out errors before and after; None where nothing could be fitted."""
+    """Return the held-out errors of each model, nominal first; None where nothing could be fitted."""
     if diagnosis.before is None or diagnosis.after is None:
         return None
     started = words.between.join(map(words.effect, diagnosis.start_effects))
-    before = Remarked(words.say("before"), started)
+    before = Remarked(words.say("report.start_model"), started)
     after = Remarked(words.say("after"), added_words(diagnosis, words) or words.say("added.same_model"))
-    rows = figures_row(before, "", diagnosis.before), figures_row(after, "", diagnosis.after)
+    rows = [figures_row(before, "", diagnosis.before), figures_row(after, "", diagnosis.after)]
+    if diagnosis.nominal is not None:
+        rows.insert(0, figures_row(words.say("model.nominal"), "", diagnosis.nominal))
     return error_table(rows, words, "report.model").of_columns(0, *range(2, 8))
 
 

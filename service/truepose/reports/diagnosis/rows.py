@@ -29,8 +29,8 @@ def described_sentence(remaining: Remaining, words: Catalogue = IN_ENGLISH) -> s
     listed, gain = tuple(_listed(remaining.described, words)), remaining.described_gain
     if gain is None:
         return words.say("described", places=listed)
-    before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
-    return words.say("described.gain", places=listed, before=before, after=after)
+    difference = millimetres(gain.rms_before_mm - gain.rms_after_mm)
+    return words.say("described.gain", places=listed, gain=difference)
 
 
 def _listed(described: tuple[Described, ...], words: Catalogue) -> Iterator[str]:

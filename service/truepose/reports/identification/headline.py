@@ -1,4 +1,4 @@
-"""The one sentence that a person at the robot reads, and the few numbers beside it."""
+"""What stands below the outcome of an identification: on which readings it rests, and a few numbers."""
 
 import math
 from collections.abc import Iterator
@@ -10,17 +10,10 @@ from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, Text, message, together
 from truepose.reports.cover_page import OneFigure
-from truepose.reports.identification.judged_figures import judging_figures
 from truepose.reports.rounding import format_rounded, millimetres, uncertainty
 from truepose.reports.traceability import NOT_STATED
 from truepose.reports.uncertainty_budget import Budget
 
-_CHANGES: Final = {
-    ("position", True): "headline.position.falls",
-    ("position", False): "headline.position.stays",
-    ("length", True): "headline.length.falls",
-    ("length", False): "headline.length.stays",
-}
 # By what judges the model and what it measures.
 _JUDGED_ON: Final = {
     ("validation", "position"): "judged.validation.position",
@@ -48,13 +41,13 @@ def headline(
     words: Catalogue = IN_ENGLISH,
 ) -> Headline:
     """Return the headline; whatever was not reached is said first."""
-    pair = judging_figures(identification)
+    pair = identification.judging
     if judged is None or budget is None or pair is None:
         return Headline(words.spoken(identification.message or message("headline.none")), good=False)
     converged = identification.status is Status.CONVERGED
     warning = "" if converged else message("headline.not_to_be_used", message=identification.message)
     return Headline(
-        sentence=words.spoken(together(warning, _sentence(identification, budget, pair), _far_errors(pair))),
+        sentence=words.spoken(together(warning, _sentence(identification, budget, pair), _grown(pair))),
         good=converged and _improves(pair),
         figures=tuple(_figure(words, *figure) for figure in _figures(identification, budget, pair)),
     )
@@ -70,19 +63,12 @@ def _improves(pair: NominalAndIdentified) -> bool:
 
 
 def _sentence(identification: Identification, budget: Budget, pair: NominalAndIdentified) -> Message:
-    nominal, identified = pair.nominal, pair.identified
     return message(
-        _CHANGES[identification.quantity, identified.mean_mm < nominal.mean_mm],
-        judged=basis_of(identification, nominal),
-        before=_stated(nominal, budget.before_mm),
-        after=_stated(identified, budget.after_mm),
-        noise=_noise(identified),
-    )
-
-
-def _stated(statistics: Statistics, u_mm: float) -> Message:
-    return message(
-        "headline.stated", mean=format_rounded(statistics.mean_mm, 2 * u_mm), expanded=_expanded(u_mm)
+        "headline.judged",
+        judged=basis_of(identification, pair.nominal),
+        before=_expanded(budget.before_mm),
+        after=_expanded(budget.after_mm),
+        noise=_noise(pair.identified),
     )
 
 
@@ -92,10 +78,12 @@ def _expanded(u_mm: float) -> Message:
     return message("headline.expanded", u=uncertainty(2 * u_mm))
 
 
-def _far_errors(pair: NominalAndIdentified) -> Text:
-    """Say when a falling mean hides growing errors: the mean alone would praise such a model."""
+def _grown(pair: NominalAndIdentified) -> Text:
+    """Say that the mean does not fall, or that it hides growing errors, which it alone would praise."""
     nominal, identified = pair.nominal, pair.identified
-    if identified.rms_mm < nominal.rms_mm or identified.mean_mm >= nominal.mean_mm:
+    if identified.mean_mm >= nominal.mean_mm:
+        return message("headline.no_better")
+    if identified.rms_mm < nominal.rms_mm:
         return ""
     return message("headline.grown", before=millimetres(nominal.rms_mm), after=millimetres(identified.rms_mm))
 

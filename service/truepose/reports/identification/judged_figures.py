@@ -20,11 +20,6 @@ from truepose.reports.tables import Remarked, Table
 FAR_OUT = 5.0
 
 
-def judging_figures(identification: Identification) -> NominalAndIdentified | None:
-    """Return the figures that judge the model: validation, else cross-validation, else calibration."""
-    return identification.validation or identification.cross_validation or identification.calibration
-
-
 def shown_noise_mm(identification: Identification) -> float:
     """Return the mean error that noise alone would show in the judged readings: that of their statistics."""
     pair = identification.validation or identification.calibration

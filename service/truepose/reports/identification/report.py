@@ -22,7 +22,6 @@ from truepose.reports.identification.judged_figures import (
     FAR_OUT,
     figures_table,
     judged,
-    judging_figures,
     noise_split,
     shown_noise_mm,
 )
@@ -36,6 +35,7 @@ from truepose.reports.identification.summary import Truth, truth_table
 from truepose.reports.report import Description, Report
 from truepose.reports.traceability import condition_rows, with_temperature
 from truepose.reports.uncertainty_budget import DRAWS, budget
+from truepose.validation.outcome import outcome_of
 from truepose.validation.validate import distance_from_axis_1
 
 
@@ -100,12 +100,13 @@ def identification_front(
     identification: Identification, robot: str, found: Headline, words: Catalogue
 ) -> Front:
     """Return whether the model may be used, and what it makes of the robot."""
-    pair = judging_figures(identification)
+    pair = identification.judging
     after = next((one for one in found.figures if one.name == words.say("headline.mean_after")), None)
     return Front(
         title=words.say("identification.title", robot=robot),
         look=graded(found.good),
         word=words.say("front.usable" if found.good else "front.unusable"),
+        outcome=words.spoken(outcome_of(identification)),
         sentence=found.sentence,
         robot=robot,
         figure=after,

@@ -16,6 +16,7 @@ from truepose.reports.identification.judged_figures import figures_table
 from truepose.reports.identification.parameters import is_held_by_prior
 from truepose.reports.rounding import MISSING, format_rounded, uncertainty
 from truepose.reports.tables import Table, heads_of, on_terminal
+from truepose.validation.outcome import outcome_of
 
 _K_95 = 1.96  # two-sided 95 % of the normal distribution
 _FAR = 3.0  # standard uncertainties at which a deviation catches the eye
@@ -81,6 +82,7 @@ def identification_summary(identification: Identification, words: Catalogue = IN
 
 
 def _summary(identification: Identification, words: Catalogue) -> Iterator[RenderableType]:
+    yield Text(words.spoken(outcome_of(identification)))
     yield Text(words.spoken(identification.message))
     errors, turns = figures_table(identification, words), turns_table(identification, words)
     if errors.rows:

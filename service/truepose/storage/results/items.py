@@ -21,7 +21,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.sql.expression import null
 
-from truepose.storage.engine.dialects import text_at, truth_at
+from truepose.storage.engine.dialects import number_at, text_at, truth_at
 from truepose.storage.records import JobKind, JobState
 from truepose.storage.results.campaigns import simulated_campaign, simulated_session
 from truepose.storage.tables import (
@@ -40,6 +40,7 @@ from truepose.storage.tables import (
 
 PROOF: Final = "proof"  # role of a session that was planned to prove a model
 TEST: Final = "test"  # and of one with the ballbar whose readings do not identify
+HELD_OUT: Final = "held_out"  # role of a campaign with readings that judge a model and never identify it
 
 
 class WorkKind(StrEnum):
@@ -185,6 +186,9 @@ _SESSIONS = Source(
     ),
 )
 _SAID_SERIAL = _said(campaigns.c.summary, "$.robot_serial_number")  # of one that was brought
+_JUDGING = [
+    number_at(campaigns.c.summary, f"$.validation_{what}") > 0 for what in ("points", "legs", "contacts")
+]
 _CAMPAIGNS = Source(
     campaigns,
     campaigns,
@@ -192,6 +196,7 @@ _CAMPAIGNS = Source(
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
         "serial_number": _SAID_SERIAL,
+        "role": case((or_(*_JUDGING), HELD_OUT), else_=""),
         "simulated": simulated_campaign(),
     },
     (campaigns.c.name, campaigns.c.robot, _SAID_SERIAL),

@@ -11,9 +11,11 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
+from truepose.messages.message import together
 from truepose.sessions.engine.states import has_ended
 from truepose.storage.records import DiagnosisRecord, SessionRecord
 from truepose.storage.results.items import WorkKind
+from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_campaign
 from truepose.web.pages.records import missing, record_at, trail_of
@@ -63,6 +65,7 @@ async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLR
     return visit.page(
         "results/diagnosis.html",
         record=record,
+        outcome=outcome_of(record.diagnosis),
         actions=await _actions(here, record),
         content=await report_page(visit, DIAGNOSIS, record.id, whole=whole, cover=False),
         trail=await trail_of(visit, WorkKind.DIAGNOSIS, record.id),
@@ -107,7 +110,7 @@ async def _rows(here: Context, month: str) -> list[ReportRow]:
             "reports.diagnosis",
             one.recorded_at,
             one.diagnosis.robot,
-            one.diagnosis.message,
+            together(outcome_of(one.diagnosis), one.diagnosis.message),
             one.simulated,
             one.robot_serial_number,
         )

@@ -14,6 +14,7 @@ from truepose.exchange.models.exports import FORMATS, Format, export
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.results.items import WorkKind
+from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_campaign
 from truepose.web.pages.records import missing, record_at, trail_of
@@ -34,29 +35,33 @@ router = APIRouter(include_in_schema=False)
 async def identification_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show an identification as its report."""
     record = await record_at(id, visit.here.results.identification)
-    return await _report_page(visit, record, WorkKind.IDENTIFICATION, IDENTIFICATION, whole=whole)
+    return await _report_page(visit, record, IDENTIFICATION, whole=whole)
 
 
 @router.get("/validations/{id}", response_class=HTMLResponse)
 async def validation_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a validation as its report."""
     record = await record_at(id, visit.here.results.validation)
-    return await _report_page(visit, record, WorkKind.VALIDATION, VALIDATION, whole=whole)
+    return await _report_page(visit, record, VALIDATION, whole=whole)
 
 
 async def _report_page(
     visit: Visit,
     record: IdentificationRecord | ValidationRecord | None,
-    kind: WorkKind,
     report: ReportKind,
     *,
     whole: bool,
 ) -> HTMLResponse:
     if record is None:
         return missing(visit)
-    content = await report_page(visit, report, record.id, whole=whole)
-    trail = await trail_of(visit, kind, record.id)
-    return visit.page(f"results/{kind.value}.html", record=record, content=content, trail=trail)
+    found = record.identification if isinstance(record, IdentificationRecord) else record.validation
+    return visit.page(
+        f"results/{report.name}.html",
+        record=record,
+        outcome=outcome_of(found),
+        content=await report_page(visit, report, record.id, whole=whole),
+        trail=await trail_of(visit, WorkKind(report.name), record.id),
+    )
 
 
 @router.get("/models/{id}", response_class=HTMLResponse)
@@ -128,7 +133,7 @@ async def _identification_rows(here: Context, month: str) -> list[ReportRow]:
             "reports.identification",
             one.recorded_at,
             one.robot,
-            one.identification.message,
+            outcome_of(one.identification),
             one.simulated,
         )
         for one in await here.results.newest_identifications(LISTED, month)
@@ -179,8 +184,6 @@ class StoredValidation:
 
 
 async def _validation_rows(here: Context, month: str) -> list[ReportRow]:
-    from truepose.reports.validation import verdict_sentence
-
     records = await here.results.newest_validations(LISTED, month)
     robots = {one.model_id: (await here.results.model(one.model_id)).robot for one in records}
     return [
@@ -190,7 +193,7 @@ async def _validation_rows(here: Context, month: str) -> list[ReportRow]:
             "reports.validation",
             one.recorded_at,
             robots[one.model_id],
-            verdict_sentence(one.validation),
+            outcome_of(one.validation),
             one.simulated,
         )
         for one in records

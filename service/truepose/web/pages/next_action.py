@@ -1,4 +1,4 @@
-"""The one next step, from where things stand: measure, identify, diagnose, correct, prove, report.
+"""The one next step, from where things stand: measure, identify, diagnose, validate, correct, prove, report.
 
 It follows from the records alone. No state of a workflow is kept that could contradict them (decision 0058).
 """
@@ -11,7 +11,7 @@ from typing import Any, Final
 from truepose.domain.session import SessionState
 from truepose.messages.message import Message, message
 from truepose.sessions.engine.states import has_ended
-from truepose.storage.results.items import PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.results.items import HELD_OUT, PROOF, TEST, WorkItem, WorkKind
 from truepose.storage.results.lineage import Lineage
 
 _TESTING: Final = ("validation", TEST)  # roles of sessions whose readings judge
@@ -19,7 +19,7 @@ _TESTING: Final = ("validation", TEST)  # roles of sessions whose readings judge
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """One request to the API; `takes` names what it is told of the one before: its number."""
+    """One request to the API; `takes` names what it is told: the number made before the first so named."""
 
     path: str
     body: Mapping[str, Any] = field(default_factory=dict)
@@ -35,6 +35,8 @@ class NextAction:
     href: str = ""
     asks: tuple[Ask, ...] = ()
     leads: str = ""  # the page of what was made, before its number; empty: this page again
+    is_limited: bool = False  # whoever takes it may state a limit
+    beside: "NextAction | None" = None  # what may be done without it
 
     @property
     def asked(self) -> list[dict[str, Any]]:
@@ -83,6 +85,16 @@ def action_after(lineage: Lineage) -> NextAction | None:
     return None
 
 
+def identify_and_diagnose(session_id: int, name: str) -> NextAction:
+    """Return what makes an identification and a diagnosis of what a session has measured so far."""
+    asks = (
+        Ask(f"/api/v1/sessions/{session_id}/campaign", {"name": name}),
+        Ask("/api/v1/identifications", takes="campaign_id"),
+        Ask("/api/v1/diagnoses", takes="campaign_id"),
+    )
+    return NextAction(message("step.identify.why"), "session.diagnose", asks=asks, leads="/diagnoses")
+
+
 def _moves(session: WorkItem) -> bool:
     state = SessionState(session.state)
     return not has_ended(state) and state is not SessionState.PLANNED
@@ -121,7 +133,7 @@ def _of_correction(lineage: Lineage) -> NextAction | None:
 
 
 def _of_model(lineage: Lineage) -> NextAction | None:
-    """Return the step after a model: a diagnosis first, which says what it leaves; then a correction."""
+    """Return the step after a model: a diagnosis says what it leaves, a validation whether it may be used."""
     diagnosis, model = lineage.newest(WorkKind.DIAGNOSIS), lineage.newest(WorkKind.MODEL)
     if model is None:
         return None
@@ -129,7 +141,21 @@ def _of_model(lineage: Lineage) -> NextAction | None:
     if diagnosis is None and campaign is not None:
         asks = (Ask("/api/v1/diagnoses", {"campaign_id": campaign.id}),)
         return NextAction(message("step.diagnose.why"), "step.diagnose", asks=asks, leads="/diagnoses")
-    return NextAction(message("step.correct.why"), "step.correct", f"/corrections?model_id={model.id}")
+    correct = NextAction(message("step.correct.why"), "step.correct", f"/corrections?model_id={model.id}")
+    validation = lineage.newest(WorkKind.VALIDATION)
+    if validation is not None and validation.recorded_at >= model.recorded_at:
+        return correct
+    return _validate(model, campaign, correct)
+
+
+def _validate(model: WorkItem, campaign: WorkItem | None, beside: NextAction) -> NextAction:
+    """Return what judges a model: readings of its campaign that it never saw, else a test to be measured."""
+    if campaign is None or campaign.role != HELD_OUT:
+        why = message("step.validate.measure.why")
+        return NextAction(why, "step.validate", "/sessions/new#iso9283", beside=beside)
+    asks = (Ask("/api/v1/validations", {"model_id": model.id, "campaign_id": campaign.id}),)
+    why = message("step.validate.why")
+    return NextAction(why, "step.validate", asks=asks, leads="/validations", is_limited=True, beside=beside)
 
 
 def _of_campaign(lineage: Lineage) -> NextAction | None:

@@ -21,6 +21,7 @@ from truepose.web.context import Context
 from truepose.web.pages.accuracy_results import ACCURACY, POSE_TEST, PROOF
 from truepose.web.pages.conditions import closing_sentence, conditions_of_sessions
 from truepose.web.pages.geometry_results import CIRCLES, SPHERE
+from truepose.web.pages.next_action import identify_and_diagnose
 from truepose.web.pages.records import missing, record_at, session_states, state_look, trail_of
 from truepose.web.pages.rendering import Visited
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow
@@ -105,6 +106,7 @@ async def session_page(visit: Visited, id: str) -> Response:
         row=_row(origin),
         states=session_states(visit.words),
         trail=trail,
+        so_far=identify_and_diagnose(record.id, record.name),
         ended=has_ended(record.state),
     )
 

@@ -18,16 +18,20 @@ function bodyOf(form, ask) {
   return body;
 }
 
-// One request after another; each is told the number of what the one before made.
+// One request after another, each told the number of what the one before made: under a name that was told
+// already, the same number again.
 async function make(form, say) {
   const { making, unreachable } = form.dataset;
   let number = null;
+  const told = {};
   for (const ask of JSON.parse(form.dataset.asks)) {
-    const body = ask.takes ? { ...ask.body, [ask.takes]: number } : bodyOf(form, ask);
+    if (ask.takes) told[ask.takes] ??= number;
+    const body = ask.takes ? { ...ask.body, [ask.takes]: told[ask.takes] } : bodyOf(form, ask);
     say(filled(making, { message: "", percent: 0 }));
     let made = await post(ask.path, body, unreachable);
-    const told = ({ fraction, message }) => say(filled(making, { message, percent: Math.round(100 * fraction) }));
-    if (made.fraction !== undefined) made = await followed(made, unreachable, told, say);
+    const sayDone = ({ fraction, message }) =>
+      say(filled(making, { message, percent: Math.round(100 * fraction) }));
+    if (made.fraction !== undefined) made = await followed(made, unreachable, sayDone, say);
     if (["failed", "cancelled", "interrupted"].includes(made.state)) throw new Error(made.message);
     number = made.result_id ?? made.id; // of a job, or of what was made at once
   }

@@ -16,24 +16,24 @@ from truepose.cli.diagnosis_text import diagnosis_lines, errors_on_terminal
 from truepose.domain.diagnosis import Gain, Remaining
 
 
-def test_the_first_line_is_the_message_however_long():
+def test_the_message_follows_the_outcome_however_long():
     message = "The model misses something. " * 20
 
     lines = list(diagnosis_lines(make_diagnosis(message=message)))
 
-    assert lines[0] == message
+    assert lines[0].startswith("Mean error ")
+    assert lines[1] == message
 
 
 def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
     lines = list(diagnosis_lines(make_diagnosis()))
 
-    assert lines[1] == "1. Joint 3 stops 0.021 deg further on when it comes from below: backlash."
-    assert lines[2] == "   Amplitude 0.0210 ± 0.0030 deg; likely, p < 0.0001."
-    assert lines[3] == (
-        "   Gain on held-out readings: RMS 0.0610 mm without it, 0.0190 mm with it "
-        "(95 % interval of the difference 0.0360 to 0.0470 mm)."
+    assert lines[2] == "1. Joint 3 stops 0.021 deg further on when it comes from below: backlash."
+    assert lines[3] == "   Amplitude 0.0210 ± 0.0030 deg; likely, p < 0.0001."
+    assert lines[4] == (
+        "   Gain: 0.0420 mm off the RMS of held-out errors (95 % interval 0.0360 to 0.0470 mm)."
     )
-    assert lines[4] == "   These data cannot tell it from: joint harmonics, joint 3."
+    assert lines[5] == "   These data cannot tell it from: joint harmonics, joint 3."
 
 
 def test_small_findings_are_told_below_and_not_numbered():
@@ -50,7 +50,7 @@ def test_small_findings_are_told_below_and_not_numbered():
 def test_what_is_left_and_what_to_measure_next_close_it():
     lines = list(diagnosis_lines(make_diagnosis()))
 
-    assert lines[5] == "What is left looks like the stated noise."
+    assert lines[6] == "What is left looks like the stated noise."
     assert lines[-3:] == [
         "Measure next: Measure these from both sides.",
         "   joints 0.00 40.00 -30.00 deg",
@@ -101,7 +101,7 @@ def test_a_gain_that_nothing_shows_is_no_number(gain):
 def test_errors_stand_before_and_after():
     table = errors_on_terminal(make_diagnosis())
 
-    assert list(table.columns[0].cells) == ["before", "after"]
+    assert list(table.columns[0].cells) == ["start model", "after"]
     assert list(table.columns[3].cells) == ["0.0610", "0.0190"]
     assert "cross-validation" in table.caption
 
@@ -112,7 +112,7 @@ def test_where_nothing_could_be_fitted_the_reason_is_said_once():
         message=why, remaining=Remaining(False, (), why), before=None, after=None, noise=None, model=None
     )
 
-    assert list(diagnosis_lines(unanswered)) == [why]
+    assert list(diagnosis_lines(unanswered))[1:] == [why]
 
 
 def test_where_nothing_could_be_fitted_there_is_no_table():

@@ -121,6 +121,12 @@ def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.after.mean_mm < 1.9 * NOISE_MM < explained.before.mean_mm
 
 
+def test_the_nominal_robot_is_judged_on_the_readings_that_judge_the_model(explained, crossed):
+    for found in (explained, crossed):
+        assert found.nominal.n == found.before.n
+        assert found.nominal.mean_mm > 1.5 * found.before.mean_mm
+
+
 def test_without_validation_the_answer_says_that_it_was_cross_validated(crossed):
     assert crossed.held_out == "cross_validation"
     assert crossed.before.n == 80

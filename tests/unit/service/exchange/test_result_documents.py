@@ -99,6 +99,7 @@ def test_a_validation_has_the_promised_keys():
     )
 
     assert document.keys() == {
+        "outcome",
         "quantity",
         "position",
         "relative",

@@ -73,7 +73,7 @@ def test_a_report_of_positions_is_french_throughout(tmp_path, of_points, points)
 
     assert of_points.counts.outliers == 3
     assert 'lang="fr"' in html
-    assert "Sur 20 positions réservées, l\u2019erreur moyenne de position baisse de" in Page(html).text
+    assert "Jugé sur 20 positions réservées" in Page(html).text
     assert "les deux lignes sont sans doute échangées" in Page(html).text
     assert english_in(Page(html).text) == []
 

@@ -167,7 +167,7 @@ def test_a_finding_states_its_numbers_with_uncertainty_and_unit():
     assert "Amplitude ± standard uncertainty 0.0293 ± 0.0019 deg amplitude of the wave: half of peak" in text
     assert "95 % interval of the amplitude 0.0256 to 0.0330 deg" in text  # 0.0293 -+ 1.96 * 0.0019
     assert "Held-out gain 0.0223 mm (95 % interval 0.0171 to 0.0282 mm)" in text
-    assert "RMS 0.0612 mm without it, 0.0389 mm with it" in text
+    assert "off the RMS of the held-out errors" in text
     assert "p value < 0.0001" in text
     assert "Order 2 Phase 41.2 ± 3.7 deg" in text
 

@@ -81,11 +81,13 @@ def test_a_diagnosis_without_an_answer_has_neither_figure_nor_picture():
     assert diagnosis_front(consistent(), IN_ENGLISH).look == "consistent"
 
 
-def test_bars_of_a_diagnosis_are_not_named_after_the_nominal_model():
-    page = Page(str(diagnosis_front(consistent(), IN_ENGLISH).picture))
+@pytest.mark.parametrize(
+    ("nominal", "named"), [(None, "before"), (make_statistics(mean_mm=0.5, max_mm=0.9), "nominal")]
+)
+def test_the_first_bar_of_a_diagnosis_is_named_after_the_model_that_it_is_of(nominal, named):
+    page = Page(str(diagnosis_front(replace(consistent(), nominal=nominal), IN_ENGLISH).picture))
 
-    assert "before" in page.text
-    assert "nominal" not in page.text
+    assert page.text.startswith(named)
 
 
 def test_bars_stand_on_one_scale_with_the_limit():

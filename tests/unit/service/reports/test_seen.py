@@ -123,7 +123,8 @@ def test_sizes_of_errors_say_where_nearly_all_lie_and_what_lies_far_out():
         "With the model 95 of 100 errors stay below 0.0300 mm; without it, below 1.000 mm. "
         "One reading lies beyond five typical errors: look at it."
     )
-    assert english(errors_sentence(before, before)).startswith("The model does not help")
+    assert english(errors_sentence(after, before)).startswith("The model does not help")
+    assert "nothing was added to the model" in english(errors_sentence(before, before))
 
 
 @pytest.mark.parametrize(

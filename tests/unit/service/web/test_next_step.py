@@ -1,10 +1,12 @@
 """The one next step: from what is there, whatever order it came in."""
 
+from dataclasses import replace
+
 import pytest
 
-from truepose.storage.results.items import PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.results.items import HELD_OUT, PROOF, TEST, WorkItem, WorkKind
 from truepose.storage.results.lineage import Lineage
-from truepose.web.pages.next_action import Ask, CellProgress, action_after, next_action
+from truepose.web.pages.next_action import Ask, CellProgress, action_after, identify_and_diagnose, next_action
 
 _DEVICES = ("tracker", "robot")
 
@@ -31,8 +33,9 @@ _IDENTIFIED = item(WorkKind.IDENTIFICATION, 9, state="converged")
 _MODEL = item(WorkKind.MODEL, 10)
 _DIAGNOSED = item(WorkKind.DIAGNOSIS, 11, state="explained")
 _EXTENDED = item(WorkKind.MODEL, 12)
-_CORRECTED = item(WorkKind.CORRECTION, 13)
-_WAY = (_MEASURED, _CAMPAIGN, _IDENTIFIED, _MODEL, _DIAGNOSED, _EXTENDED, _CORRECTED)
+_VALIDATED = item(WorkKind.VALIDATION, 13, state="passed")
+_CORRECTED = item(WorkKind.CORRECTION, 14)
+_WAY = (_MEASURED, _CAMPAIGN, _IDENTIFIED, _MODEL, _DIAGNOSED, _EXTENDED, _VALIDATED, _CORRECTED)
 
 
 def test_where_nothing_is_connected_everything_is_asked_who_it_is():
@@ -82,12 +85,46 @@ def test_finished_readings_are_identified_by_one_tap():
     [
         (2, "step.identify"),
         (4, "step.diagnose"),
-        (6, "step.correct"),
-        (7, "step.prove"),
+        (6, "step.validate"),
+        (7, "step.correct"),
+        (8, "step.prove"),
     ],
 )
 def test_each_result_leads_to_the_next(made, action):
     assert action_after(Lineage(_WAY[:made])).action == action
+
+
+def test_a_model_is_validated_on_readings_that_it_never_saw_with_a_limit_of_the_readers_choice():
+    held_out = replace(_CAMPAIGN, role=HELD_OUT)
+
+    step = action_after(Lineage((_MEASURED, held_out, *_WAY[2:6])))
+
+    assert step.asks == (Ask("/api/v1/validations", {"model_id": 12, "campaign_id": 8}),)
+    assert (step.leads, step.is_limited) == ("/validations", True)
+    assert step.beside.href == "/corrections?model_id=12"
+
+
+@pytest.mark.parametrize("made", [(_CAMPAIGN, _IDENTIFIED, _MODEL, _DIAGNOSED, _EXTENDED), (_MODEL,)])
+def test_without_readings_that_judge_a_test_is_planned(made):
+    step = action_after(Lineage(made))
+
+    assert (step.action, step.href, step.asks) == ("step.validate", "/sessions/new#iso9283", ())
+
+
+def test_what_judged_an_older_model_does_not_judge_the_newest():
+    judged_before = (_CAMPAIGN, _IDENTIFIED, _MODEL, replace(_VALIDATED, recorded_at=_MODEL.recorded_at))
+
+    assert action_after(Lineage((*judged_before, _DIAGNOSED, _EXTENDED))).action == "step.validate"
+
+
+def test_identify_and_diagnose_makes_both_of_one_campaign():
+    step = identify_and_diagnose(7, "left arm")
+
+    assert [(ask.path, ask.takes) for ask in step.asks] == [
+        ("/api/v1/sessions/7/campaign", ""),
+        ("/api/v1/identifications", "campaign_id"),
+        ("/api/v1/diagnoses", "campaign_id"),
+    ]
 
 
 def test_a_correction_is_proved_with_its_own_model():
@@ -99,7 +136,7 @@ def test_a_correction_is_proved_with_its_own_model():
     [("planned", "step.start"), ("running", "step.session"), ("finished", "step.report")],
 )
 def test_a_proof_is_measured_and_then_shown(state, action):
-    proof = session(state, PROOF, number=14)
+    proof = session(state, PROOF, number=15)
 
     assert action_after(Lineage((*_WAY, proof))).action == action
 
@@ -125,4 +162,4 @@ def test_a_session_that_was_given_up_is_planned_again():
 
 
 def test_nothing_follows_from_a_proof_that_was_given_up():
-    assert action_after(Lineage((*_WAY, session("aborted", PROOF, number=14)))) is None
+    assert action_after(Lineage((*_WAY, session("aborted", PROOF, number=15)))) is None

@@ -17,12 +17,12 @@ def headline_of(identification, campaign):
     return headline(identification, shown, budget(shown, identification, campaign, ReportConditions()))
 
 
-def test_one_sentence_says_before_after_uncertainty_and_noise(identification, campaign):
+def test_one_sentence_says_the_readings_both_uncertainties_and_noise(identification, campaign):
     made = headline_of(identification, campaign)
 
     assert made.good
-    assert made.sentence.startswith("On 60 held-out positions the mean position error falls from ")
-    assert made.sentence.count("(U = ") == 2
+    assert made.sentence.startswith("Judged on 60 held-out positions (before: U = ")
+    assert made.sentence.count("U = ") == 2
     assert (
         "the noise of instrument and robot alone would show 0.0160 mm" in made.sentence
     )  # sqrt(8/pi) * 0.01
@@ -35,7 +35,7 @@ def test_a_model_that_errs_no_less_than_the_nominal_one_is_not_praised(campaign,
     made = headline_of(make_identification(validation=worse, model=identification.model), campaign)
 
     assert not made.good
-    assert "does not fall: it goes from" in made.sentence
+    assert "The mean error does not fall." in made.sentence
 
 
 def test_a_falling_mean_does_not_hide_a_growing_rms(campaign, identification):
@@ -81,7 +81,7 @@ def test_a_single_held_out_configuration_tells_no_uncertainty(identification, ca
 
     made = headline_of(replace(identification, validation=pair), replace(campaign, validation=alone))
 
-    assert made.sentence.startswith("On 1 held-out position the mean")
+    assert made.sentence.startswith("Judged on 1 held-out position (before")
     assert made.sentence.count("U not known from one configuration") == 2
 
 
