@@ -68,6 +68,15 @@ def main() -> int:
 
 
 def _run() -> int:
+    try:
+        application(sys.argv[1:])(prog_name="truepose")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+def application(arguments: Sequence[str] = ()) -> typer.Typer:
+    """Return the command line with the command that `arguments` name, or with all commands."""
     app = typer.Typer(
         name="truepose",
         help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
@@ -75,15 +84,11 @@ def _run() -> int:
         pretty_exceptions_enable=False,
         callback=_asked_of_the_program,
     )
-    for name in _asked_for(sys.argv[1:]):
+    for name in _asked_for(arguments):
         app.command(name)(_exiting(_command(name)))
-    for name in _groups_asked_for(sys.argv[1:]):
+    for name in _groups_asked_for(arguments):
         app.add_typer(_group(name), name=name)
-    try:
-        app(prog_name="truepose")
-    except SystemExit as end:
-        return end.code if isinstance(end.code, int) else 0
-    return 0
+    return app
 
 
 def _asked_for(arguments: Sequence[str]) -> Iterable[str]:
