@@ -11,7 +11,7 @@ EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test thorough unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report behaviour interface-accepted live-latency nightly clean
+.PHONY: setup demo test thorough unit smoke attack installed check docs reference bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report behaviour interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -88,6 +88,10 @@ check: setup
 
 docs: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --config-file docs/site/mkdocs.yml
+
+# The pages of docs/reference, from the code; a test holds them to it.
+reference: setup
+	$(BIN)/python -m tests.helpers.reference_pages
 
 $(VENV)/.docs: $(VENV)/.installed
 	$(BIN)/python $(PIP) install --no-compile --editable '.[docs]'

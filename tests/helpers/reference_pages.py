@@ -1,0 +1,126 @@
+"""Reference pages that are written from the code: commands, effects and drivers.
+
+`python -m tests.helpers.reference_pages` writes `docs/reference`; a test holds the pages to the code.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import typer.main
+
+from truepose.cli.program import application
+from truepose.effects.registry import CAUSES, EFFECTS
+from truepose.effects.unclassified.cause import Unnamed
+from truepose_drivers.registry import load_registry
+
+FOLDER: Final = Path(__file__).parents[2] / "docs" / "reference"
+_GROUPS: Final[Mapping[str, Sequence[str]]] = {
+    "Try it": ("demo", "simulate", "nightly"),
+    "Plan and measure": ("plan", "serve", "import", "watch", "inspect"),
+    "Identify and explain": ("identify", "diagnose", "resample", "reanalyse", "fleet"),
+    "Use the model": ("correct", "predict", "export"),
+    "Prove": ("validate", "circles", "sphere"),
+    "Run the service": (
+        "plant", "people", "backup", "restore", "copy", "verify", "retention", "unit", "dashboard",
+    ),
+}  # fmt: skip
+
+
+_COMMANDS_INTRODUCTION: Final = (
+    "Options are explained by `truepose COMMAND --help`, which also gives an example. Exit status: 0 done, "
+    '1 the answer is "no", 2 unusable input, 3 a device or the service failed, 130 interrupted.'
+)
+_EFFECTS_INTRODUCTION: Final = (
+    "The names that `--effects` takes. A diagnosis looks for those with an amplitude; [simulated cells]"
+    "(../../simulators/truepose_simulators/README.md#effects) plant them."
+)
+_DRIVERS_INTRODUCTION: Final = (
+    "The names that `driver` in a [cell file](../cell-file.md) takes. Each name links to what the driver "
+    "needs and to what was never tried on hardware; other keys of its `[[device]]` are its options."
+)
+
+
+def pages() -> dict[str, str]:
+    """Return the text of each page by its file name."""
+    return {
+        "commands.md": _page("Commands", _COMMANDS_INTRODUCTION, _commands()),
+        "effects.md": _page("Effects", _EFFECTS_INTRODUCTION, _effects()),
+        "drivers.md": _page("Drivers", _DRIVERS_INTRODUCTION, _drivers()),
+    }
+
+
+def _page(title: str, introduction: str, body: Iterable[str]) -> str:
+    note = "<!-- Written by python -m tests.helpers.reference_pages -->"
+    return "\n".join([f"# {title}", "", note, introduction, "", *body, ""])
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    yield _row(heads)
+    yield "|" + "---|" * len(heads)
+    yield from map(_row, rows)
+
+
+def _row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _commands() -> Iterator[str]:
+    found: dict[str, Any] = dict(typer.main.get_group(application()).commands)
+    for group, names in _GROUPS.items():
+        yield from (f"## {group}", "")
+        yield from _table(("command", "does"), (_command_row(name, found.pop(name)) for name in names))
+        yield ""
+    if found:
+        raise LookupError(f"commands without a group: {', '.join(found)}")
+
+
+def _command_row(name: str, command: Any) -> tuple[str, str]:
+    words = ["|".join(getattr(command, "commands", ())), *map(_usage, command.params)]
+    usage = " ".join(["truepose", name, *filter(None, words)]).replace("|", "\\|")
+    return f"`{usage}`", str(command.help).strip().splitlines()[0]
+
+
+def _usage(parameter: Any) -> str:
+    named = parameter.param_type_name == "option"
+    shown = str(parameter.opts[0]) if named else str(parameter.name).upper()
+    return shown if parameter.required else f"[{shown}]"
+
+
+def _effects() -> Iterator[str]:
+    named = {name: effect for name, effect in EFFECTS.items() if not isinstance(effect, Unnamed)}
+    rows = (_effect_row(name, effect) for name, effect in sorted(named.items()))
+    return _table(("effect", "parameters", "acts on", "over", "amplitude"), rows)
+
+
+def _effect_row(name: str, effect: Any) -> tuple[str, ...]:
+    signature = getattr(effect, "signature", None) if name in CAUSES else None
+    described = str(type(effect).__doc__).splitlines()[0]
+    if signature is None:
+        return f"`{name}`", described, "", "", ""
+    subject = signature.plural or signature.at
+    return (
+        f"`{name}`",
+        described,
+        signature.where.format(subject=subject, variant=0),
+        signature.over.replace("{subject}", subject).replace("joint {variant:g}", "another joint"),
+        signature.amplitude,
+    )
+
+
+def _drivers() -> Iterator[str]:
+    rows = (_driver_row(name, plugin) for name, plugin in sorted(load_registry().plugins.items()))
+    return _table(("driver", "device", "options"), rows)
+
+
+def _driver_row(name: str, plugin: Any) -> tuple[str, ...]:
+    folder = plugin.open.__module__.split(".")[1]
+    readme = f"../../drivers/truepose_drivers/{folder}/README.md"
+    linked = f"[`{name}`]({readme})" if (FOLDER / readme).resolve().is_file() else f"`{name}`"
+    kinds = " or ".join(kind.replace("_", " ") for kind in (plugin.kind, *plugin.also))
+    return linked, kinds, ", ".join(f"`{option}`" for option in plugin.options)
+
+
+if __name__ == "__main__":
+    for name, text in pages().items():
+        (FOLDER / name).write_text(text, encoding="utf-8")
