@@ -1,7 +1,6 @@
 """A cell file says what it says, or is refused at the key that is wrong."""
 
 import math
-import re
 from pathlib import Path
 
 import pytest
@@ -18,8 +17,10 @@ from truepose.exchange.errors import (
     WrongUnitError,
 )
 
-DOCUMENT = Path(__file__).parents[3] / "docs" / "cell-file.md"
-REAL, SIMULATED = re.findall(r"```toml\n(.*?)```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL)
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
+REAL, SIMULATED = (
+    (EXAMPLES / f"{kind}-cell.toml").read_text(encoding="utf-8") for kind in ("real", "simulated")
+)
 
 
 def read(folder, text):
