@@ -80,15 +80,14 @@ def test_the_example_model_predicts_the_rows_it_is_given(identified, tmp_path):
 
 def test_the_commands_of_the_readme_work_one_after_the_other(tmp_path):
     readme = (_CHECKOUT / "README.md").read_text(encoding="utf-8")
-    lines = re.findall(r"^truepose ((?:identify|validate|predict|diagnose) .*)$", readme, flags=re.MULTILINE)
+    lines = re.findall(r"^truepose ((?:identify|validate|diagnose) .*)$", readme, flags=re.MULTILINE)
     shutil.copytree(_FOLDER, tmp_path / "docs" / "examples" / "campaign")
 
     first, *others = (shlex.split(line) for line in lines)
     done = [_truepose(*first, cwd=tmp_path), *(typed(*line, cwd=tmp_path) for line in others)]
 
-    assert [line.split()[0] for line in lines] == ["identify", "validate", "predict", "diagnose"]
-    assert [run.returncode for run in done] == [0] * 4, "".join(run.stderr for run in done)
+    assert [line.split()[0] for line in lines] == ["identify", "validate", "diagnose"]
+    assert [run.returncode for run in done] == [0] * 3, "".join(run.stderr for run in done)
     assert "0.0278" in readme and "0.0278" in done[0].stdout
-    assert (tmp_path / "predicted.csv").is_file()
-    assert "nothing else was found" in done[3].stdout.splitlines()[0]
+    assert "nothing else was found" in done[2].stdout.splitlines()[0]
     assert (tmp_path / "diagnosis.html").is_file()
