@@ -97,7 +97,7 @@ $(VENV)/.docs: $(VENV)/.installed
 	$(BIN)/python $(PIP) install --no-compile --editable '.[docs]'
 	touch $@
 
-# Speed, peers beside it in environments of their own; on one core, like the figures of docs/speed.md.
+# Speed, peers beside it in environments of their own; on one core, like the figures of docs/figures/speed.csv.
 bench: setup
 	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m tests.studies.bench --out out/bench
 
@@ -110,7 +110,7 @@ diagnosis-report: setup
 ballbar-report: setup
 	$(BIN)/python -m tests.studies.ballbar_report --out out/ballbar
 
-# Two hours on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
+# Two hours on two idle cores; each study has a command of its own, in docs/figures/README.md.
 hardening-report: setup
 	$(BIN)/python -m tests.studies.hardening.erring_operator --out out/hardening
 	$(BIN)/python -m tests.studies.hardening.wrong_pairs --out out/hardening

@@ -1,5 +1,6 @@
-"""The repository's own pages as a site: README files beside docs/ too, with links as they stand there."""
+"""The repository's own pages as a site: README files beside docs/ too, tables of figures, and links as they stand."""
 
+import csv
 import posixpath
 import re
 from pathlib import Path
@@ -18,11 +19,13 @@ _NAMES = "names.md"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add what lies beside docs/, and the page of the names that `import truepose` offers."""
+    """Add what lies beside docs/, tables of figures, and the names that `import truepose` offers."""
     for pattern in _BESIDE:
         for path in sorted(_REPOSITORY.glob(pattern)):
             name = path.relative_to(_REPOSITORY).as_posix()
             files.append(File.generated(config, name, content=path.read_text(encoding="utf-8")))
+    for path in sorted((_REPOSITORY / "docs" / "figures").glob("*.csv")):
+        files.append(File.generated(config, f"figures/{path.stem}.md", content=_figures(path)))
     start = (_REPOSITORY / "README.md").read_text(encoding="utf-8")
     files.append(File.generated(config, "index.md", content=start))
     files.append(File.generated(config, _NAMES, content=_names()))
@@ -68,7 +71,17 @@ def _in_repository(page: str) -> str:
 
 
 def _on_site(path: str) -> str:
-    return "index.md" if path == "README.md" else path.removeprefix("docs/")
+    if path == "README.md":
+        return "index.md"
+    return re.sub(r"^(figures/\w+)\.csv$", r"\1.md", path.removeprefix("docs/"))
+
+
+def _figures(path: Path) -> str:
+    """Return a table of figures as a page."""
+    with path.open(newline="", encoding="utf-8") as file:
+        heads, *rows = csv.reader(file)
+    lines = (f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rows))
+    return "\n".join([f"# {path.stem.capitalize()}", "", *lines, ""])
 
 
 def _names() -> str:
