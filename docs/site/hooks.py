@@ -1,4 +1,4 @@
-"""The repository's own pages as a site: README files beside docs/ too, tables of figures, and links as they stand."""
+"""The repository's own pages as a site: README files and tables of figures too, with links as they stand."""
 
 import csv
 import posixpath
