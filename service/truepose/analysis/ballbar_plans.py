@@ -197,14 +197,15 @@ def _fitted(
     Poses that all readings together speak against are left out from the start: a fit bends to them.
     """
     exchanged = set(refuted)
+    found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
     for _ in range(_ROUNDS):
-        found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
         more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
         # What a fit without them foresees can find further ones; where it finds no more, the next round would
         # be the same.
         if more <= exchanged:
             break
         exchanged |= more
+        found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
     return foreseen, found.calibration.identified.rms_mm if found.calibration else float("nan"), exchanged
 
 
