@@ -30,6 +30,22 @@ def test_its_cups_are_where_the_robot_held_the_ball():
         assert cup.centre_mm == pytest.approx(true.cups_mm[cup.placement][cup.base_point - 1], abs=1e-6)
 
 
+# Table 3.1: standard uncertainty of x, y and z of each nest over that of a length, in every solution.
+NEST_1 = [(1.5, 1.6, 0.7)]
+NEST_2 = [(1.5, 1.9, 1.1), (1.5, 1.2, 1.6)]
+NEST_3 = [(1.6, 2.6, 1.0), (1.1, 2.5, 1.5), (1.0, 2.1, 1.7), (1.6, 2.2, 1.7)]
+
+
+def test_coordinates_are_as_uncertain_as_lengths_make_them():
+    campaign, _ = ballbar_campaign(stops=12, seed=1)
+    variances = [np.mean(np.square(nest)) for nest in (NEST_1, NEST_2, NEST_3)]
+
+    points = positions_from_legs(campaign).campaign.calibration
+
+    expected_mm = np.sqrt(np.mean(variances)) * campaign.legs.standard_uncertainty_mm[0]
+    assert points.standard_uncertainty_mm == pytest.approx(expected_mm, rel=0.01)
+
+
 def test_a_configuration_with_five_legs_is_lost_and_named():
     campaign, _ = ballbar_campaign(stops=12, seed=1)
     legs = campaign.legs
