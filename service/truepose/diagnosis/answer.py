@@ -238,18 +238,15 @@ def _with_doubts(tested: SelectionTests) -> Remainder:
     better = tuple(
         one for group in together.values() for one in better_families(selected, group, tested.families)
     )
-    known = {one.variable for one in left.depends}
-    new = {one.variable: one for one in better if one.variable not in known}
-    return replace(left, depends=(*left.depends, *new.values()))
+    return left.also(better)
 
 
 def _with_shared(start: Start, left: Remainder) -> Remainder:
     """Add what bad readings share. No description holds it: they have no weight in it."""
     shared = shared_properties(start.scene, left.tails.bad)
-    if shared is None or shared.on.variable in {one.variable for one in left.depends}:
+    if shared is None:
         return left
-    added = Relation(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
-    return replace(left, depends=(*left.depends, added))
+    return left.also([Relation(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)])
 
 
 def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]) -> Diagnosis:

@@ -9,7 +9,8 @@ something that runs or happens in time, and what it says of the base or of a joi
 a finding is not certain, and the same of the instrument is its rival (decision 0029).
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -284,6 +285,12 @@ class Remainder:
     contradicted: bool = False
     withheld: Gain | None = None
 
+    def also(self, more: Iterable[Relation]) -> "Remainder":
+        """Return it with what it depends on as well; what is known of a variable already stays."""
+        known = {one.variable for one in self.depends}
+        new = [one for one in more if one.variable not in known]
+        return replace(self, depends=_distinct([*self.depends, *new]))
+
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
@@ -341,7 +348,6 @@ def residual_dependence(
     ]
     found += _waves(start, selected, without, refuted)
     found += _nests(fit)
-    found.sort(key=lambda one: one.p_value)
     scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
     repeated = _repeats_scatter_as_much(selected)
@@ -365,11 +371,11 @@ def _nests(fit: RobustFit) -> list[Relation]:
 
 
 def _distinct(found: list[Relation]) -> tuple[Relation, ...]:
-    """Return the first dependence on each variable."""
+    """Return the most improbable dependence on each variable, the most improbable of all first."""
     kept: dict[str, Relation] = {}
     # A curve over an angle, its trend and its single waves are one dependence: it is reported once, by the
     # most significant of them.
-    for one in found:
+    for one in sorted(found, key=lambda one: one.p_value):
         kept.setdefault(one.variable, one)
     return tuple(kept.values())
 

@@ -9,6 +9,7 @@ from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.baseline_fit import fit_baseline
+from truepose.diagnosis.evidence.residual_structure import Relation
 
 # The median of 80 squared radii has a relative standard deviation of 0.12, its root half of that.
 SPREAD = 4 * 0.06
@@ -25,6 +26,16 @@ def test_noise_as_stated_is_of_size_one_and_leaves_no_structure():
     assert not left.more_than_stated
     assert left.depends == ()
     assert not left.structure
+
+
+def test_what_is_added_stands_where_its_chance_puts_it_and_replaces_nothing():
+    def on(variable, chance, kind="angle"):
+        return Relation(variable, chance, kind, None, None)
+
+    left = left_beside(make_start({})).also([on("time", 1e-4), on("angle of joint 2", 1e-3)])
+    more = left.also([on("torque of joint 3", 1e-9), on("time", 1e-12, kind="place")])
+
+    assert more.depends == (on("torque of joint 3", 1e-9), on("time", 1e-4), on("angle of joint 2", 1e-3))
 
 
 def test_noise_twice_as_large_as_stated_is_said_to_be():
