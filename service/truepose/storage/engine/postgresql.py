@@ -131,7 +131,7 @@ class ServerDatabase(DatabaseBackend):
         # starts it anew.
         if self._lost is not None:
             raise ServerRefusedError(self._lost)
-        if not (self.connection.closed or self.connection.invalidated or self.plain.server.closed):
+        if not self._disconnected:
             return
         self._let_go()
         try:
@@ -140,6 +140,10 @@ class ServerDatabase(DatabaseBackend):
             raise ServerRefusedError(str(error)) from error
         self._was_away = True
         _LOG.warning("connected to %s anew", self.where)
+
+    @property
+    def _disconnected(self) -> bool:
+        return self.connection.closed or self.connection.invalidated or bool(self.plain.server.closed)
 
     def _let_go(self) -> None:
         if not self.connection.closed:
@@ -233,6 +237,11 @@ class ServerDatabase(DatabaseBackend):
 
     def close(self) -> None:
         """End the connections, and with them the lock."""
+        # Also of records that came past `commit`, as a copy's do; after a lost connection somebody else's may
+        # have come.
+        if not (self._disconnected or self._was_away):
+            with contextlib.suppress(*REFUSED):
+                self._seal.note(newest_link(self.plain))
         self.readers.dispose()
         self._let_go()
         self._write_engine.dispose()

@@ -17,8 +17,9 @@ from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.backup.transfer import transfer
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
-from truepose.storage.engine.reading import open_reader
+from truepose.storage.engine.reading import lies_beside, open_reader
 from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError, ServerAwayError
+from truepose.storage.integrity.database_identity import IdentityFile
 from truepose.storage.integrity.verification import verify_left, verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -88,6 +89,7 @@ async def test_a_copied_database_is_the_same_bit_for_bit_on_both_engines(file, d
     for url in (file, database_url, back):
         verdict = verify_left_at(url)
         assert (verdict.findings, verdict.head) == ((), head)
+        assert IdentityFile(lies_beside(url)).left().link == head.links > 0
 
 
 async def test_the_same_records_have_the_same_hashes_whichever_engine_they_were_written_on(
