@@ -8,10 +8,12 @@ writer, where a session's readings come first.
 import contextlib
 import json
 import logging
+import math
 import os
 import shutil
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -27,6 +29,8 @@ MOST_FILES: Final = 200
 # 1.3 GB.
 MOST_DRAFTS: Final = 20
 KEPT: Final = timedelta(days=14)  # after the last change: a shift, a weekend, a week of holidays
+# A draft that is over goes when it still is after so long: a clock that was set forward is set right by then.
+_GRACE_S: Final = 24 * 3600.0
 STATE: Final = "draft.json"
 _WHAT: Final = "draft"
 _LOG: Final = logging.getLogger(__name__)
@@ -68,8 +72,10 @@ class Draft:
 class DraftFolder:
     """All drafts; every method touches the disk, so call them off the loop."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, now_s: Callable[[], float] = time.monotonic) -> None:
         self._folder = folder
+        self._now_s = now_s
+        self._over_s: dict[int, float] = {}  # when a draft was first seen to be over, by its number
         # Every method may be called from any thread of the pool, and some call others.
         self._lock = threading.RLock()
 
@@ -216,22 +222,36 @@ class DraftFolder:
     def _readable(self, number: int) -> Iterator[Draft]:
         try:
             yield self.get(number)
+        except NotFoundError:
+            return  # its creation was cut short
         except StorageUnavailableError as error:
             # One that is damaged keeps nobody from the others.
             _LOG.warning("%s", error)
 
     def _expire(self) -> None:
-        oldest = (datetime.now(UTC) - KEPT).isoformat(timespec="seconds")
-        for number in self.numbers():
-            try:
-                # ISO 8601 in UTC of one length: texts compare as their moments do.
-                ended = self.get(number).changed_at < oldest
-            except NotFoundError:  # its creation was cut short
-                ended = True
-            except StorageUnavailableError:  # nobody knows when it was changed
-                ended = False
-            if ended:
+        now_s = self._now_s()
+        over = [number for number in self.numbers() if self._is_over(number)]
+        self._over_s = {number: self._over_s.get(number, now_s) for number in over}
+        for number, since_s in self._over_s.items():
+            if now_s - since_s >= _GRACE_S:
                 shutil.rmtree(self._place(number), ignore_errors=True)
+
+    def _is_over(self, number: int) -> bool:
+        """Whether nobody has touched a draft for so long that it ends."""
+        oldest = datetime.now(UTC) - KEPT
+        try:
+            # ISO 8601 in UTC of one length: texts compare as their moments do.
+            return self.get(number).changed_at < oldest.isoformat(timespec="seconds")
+        except NotFoundError:  # its creation was cut short
+            return True
+        except StorageUnavailableError:  # when it was changed only its file says
+            return self._written_s(number) < oldest.timestamp()
+
+    def _written_s(self, number: int) -> float:
+        try:
+            return (self._place(number) / STATE).stat().st_mtime
+        except OSError:
+            return math.inf
 
 
 class Incoming:

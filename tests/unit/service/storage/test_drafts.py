@@ -11,10 +11,18 @@ from truepose.storage import drafts as drafts_module
 from truepose.storage.drafts import KEPT, MOST_DRAFTS, DraftFolder
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
+HOUR_S = 3600.0
+
 
 @pytest.fixture
-def drafts(tmp_path):
-    return DraftFolder(tmp_path / "drafts")
+def running_s():
+    """For how long the service has run."""
+    return [0.0]
+
+
+@pytest.fixture
+def drafts(tmp_path, running_s):
+    return DraftFolder(tmp_path / "drafts", lambda: running_s[0])
 
 
 def take(drafts, number, name, data):
@@ -35,15 +43,46 @@ def test_a_file_counts_once_it_is_whole(drafts, tmp_path):
     )
 
 
-def test_what_nobody_touched_for_two_weeks_ends(drafts, tmp_path):
+def left_alone(state, whole=True):
+    """Let nobody have touched a draft for two weeks and an hour; only its file says that of a torn one."""
+    old = datetime.now(UTC) - KEPT - timedelta(hours=1)
+    document = json.loads(state.read_text()) | {"changed_at": old.isoformat(timespec="seconds")}
+    state.write_text(json.dumps(document) if whole else "{")
+    os.utime(state, (old.timestamp(), old.timestamp()))
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_what_nobody_touched_for_two_weeks_ends_a_day_later(drafts, tmp_path, running_s, whole):
+    number = drafts.create().id
+    left_alone(tmp_path / "drafts" / str(number) / "draft.json", whole)
+
+    kept = []
+    for running_s[0] in (0.0, 23 * HOUR_S, 24 * HOUR_S):
+        drafts.all()
+        kept.append(drafts.numbers())
+
+    assert kept == [[number], [number], []]
+
+
+def test_a_clock_that_was_set_forward_and_right_again_ends_nothing(drafts, tmp_path, running_s):
     number = drafts.create().id
     state = tmp_path / "drafts" / str(number) / "draft.json"
-    old = (datetime.now(UTC) - KEPT - timedelta(hours=1)).isoformat(timespec="seconds")
-    state.write_text(json.dumps(json.loads(state.read_text()) | {"changed_at": old}))
+    right = state.read_text()
 
-    assert drafts.all() == ()
-    with pytest.raises(NotFoundError):
-        drafts.get(number)
+    for running_s[0], wrong in ((0.0, True), (HOUR_S, False), (40 * HOUR_S, True)):
+        left_alone(state) if wrong else state.write_text(right)
+        drafts.all()
+
+    assert drafts.numbers() == [number]
+
+
+def test_one_whose_creation_was_cut_short_ends(drafts, tmp_path, running_s):
+    (tmp_path / "drafts" / "7").mkdir(parents=True)
+
+    for running_s[0] in (0.0, 24 * HOUR_S):
+        drafts.all()
+
+    assert drafts.numbers() == []
 
 
 def test_a_draft_that_was_touched_stays(drafts):
