@@ -12,10 +12,12 @@ from truepose_drivers.mitutoyo_eh import protocol as eh
 from truepose_drivers.mitutoyo_serial import protocol as serial
 from truepose_simulators.faults.kinds import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
 from truepose_simulators.instruments.endpoint import Endpoint, with_doubled_digit, write_with_stall
-from truepose_simulators.instruments.gauges.length_source import Display, Electronics
+from truepose_simulators.instruments.gauges.length_source import Electronics
 
 _CHUNK_BYTES: Final = 4096
 _MM_PER_INCH: Final = 25.4
+_DECIMALS: Final = 4
+_DECIMALS_OF_INCHES: Final = 5
 _LONGEST_QUESTION: Final = 100
 _END: Final = re.compile(rb"[\r\n]")
 
@@ -70,10 +72,11 @@ class TextBox:
             writer.write(said)
 
 
-def in_inches(gauge: Electronics, shown: Display) -> tuple[float, bool]:
-    """Return what a display shows, and whether it is in inches."""
-    inches = gauge.has(BallbarInches)
-    return shown.deviation_mm / (_MM_PER_INCH if inches else 1.0), inches
+def displayed(gauge: Electronics, length_mm: float) -> Value:
+    """Return a length as the gauge's display shows it, in the unit that is set there."""
+    if gauge.has(BallbarInches):
+        return Value(length_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
+    return Value(length_mm, _DECIMALS)
 
 
 def box_endpoint(device: str, protocol: str, box: TextBox) -> Endpoint:
@@ -81,8 +84,6 @@ def box_endpoint(device: str, protocol: str, box: TextBox) -> Endpoint:
     return Endpoint(device, protocol, box.serve)
 
 
-_DECIMALS: Final = 4
-_DECIMALS_OF_INCHES: Final = 5
 _UNKNOWN_COMMAND: Final = 913  # no source tells what a box answers to what it does not know
 
 
@@ -108,8 +109,7 @@ def _value(gauge: Electronics, channel: int) -> serial.Reply:
         return serial.NoValue(NOT_CONVERTIBLE)
     if shown.signal == "none" or math.isnan(shown.deviation_mm):
         return serial.NoValue(NOT_CONNECTED)
-    number, inches = in_inches(gauge, shown)
-    return serial.ChannelValue(channel, Value(number, _DECIMALS_OF_INCHES if inches else _DECIMALS))
+    return serial.ChannelValue(channel, displayed(gauge, shown.deviation_mm))
 
 
 _NO_SUCH_COMMAND, _NO_SIGNAL, _TOO_FAST = "10", "20", "30"  # ours: no source lists the codes
@@ -140,9 +140,7 @@ class Counter:
         shown = gauge.show()
         if shown.signal == "none" or math.isnan(shown.deviation_mm):
             return eh.Refusal(channel, _TOO_FAST if shown.too_fast else _NO_SIGNAL)
-        number, inches = in_inches(gauge, shown)
-        decimals = _DECIMALS_OF_INCHES if inches else _DECIMALS
-        return eh.CounterValue(channel, Value(number - self._zeros_mm[channel - 1], decimals))
+        return eh.CounterValue(channel, displayed(gauge, shown.deviation_mm - self._zeros_mm[channel - 1]))
 
     def _set_zero(self, channel: int) -> eh.Reply:
         shown = self._gauges[channel - 1].show()
@@ -186,7 +184,6 @@ def _amplifier(gauge: Electronics) -> keyence.Amplifier:
     shown = gauge.show()
     if shown.signal == "none" or math.isnan(shown.deviation_mm):
         return keyence.Amplifier(None)
-    number, inches = in_inches(gauge, shown)
     beyond = keyence.LOW if shown.deviation_mm < 0.0 else keyence.HIGH
     state = keyence.GO if shown.signal == "good" else beyond
-    return keyence.Amplifier(Value(number, _DECIMALS_OF_INCHES if inches else _DECIMALS), state)
+    return keyence.Amplifier(displayed(gauge, shown.deviation_mm), state)

@@ -16,12 +16,15 @@ from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges, gauge_settings
 from truepose_drivers.mitutoyo_eh.driver import PLUGIN as EH
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
-from truepose_drivers.mitutoyo_eh.protocol import ENDS
+from truepose_drivers.mitutoyo_eh.protocol import ENDS, Question
 from truepose_drivers.mitutoyo_serial.driver import PLUGIN as SERIAL
 from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
+from truepose_simulators.faults.kinds import BallbarInches
+from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.instruments.gauges.text_boxes import (
+    Counter,
     keyence_gt2_endpoint,
     mitutoyo_eh_endpoint,
     mitutoyo_serial_endpoint,
@@ -103,6 +106,20 @@ async def test_the_end_of_a_line_is_as_the_counter_is_set(end, bars):
     await gauges.connect()
 
     assert (await gauges.read()).deviation_mm == pytest.approx(0.1, abs=1e-12)
+
+
+def test_a_zero_that_was_set_in_one_unit_holds_in_the_other(bars):
+    faults = Faults()
+    counter = Counter([electronics(bars[0], faults)])
+    counter.reply(Question("CR", 1))
+    bars[0].deviation_mm += 2.54
+
+    in_millimetres = counter.reply(Question("GA", 1)).value
+    faults.add(BallbarInches())
+    in_inches = counter.reply(Question("GA", 1)).value
+
+    assert (in_millimetres.shown, in_millimetres.decimals) == (pytest.approx(2.54), 4)
+    assert (in_inches.shown, in_inches.decimals) == (pytest.approx(0.1), 5)
 
 
 async def answering(answers, dialect):
