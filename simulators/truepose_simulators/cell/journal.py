@@ -1,9 +1,9 @@
 """What was done in a cell, kept in a file, so that a cell that is started anew stands where it stood.
 
-One JSON object a line: first which cell it is, then every motion of the robot, deed of the hands and planted
-effect with its cell time. What is true in a cell follows from its seed and from what was done when; so doing
-the same again leads to the same cups, zeros and stops. Only what readings drew from the cell's own generator
-is not repeated: after tracker readings the scatter of later stops is another one.
+One JSON object a line: first which cell it is, then every motion of the robot, deed of the hands, mounting of
+the tool and planted effect with its cell time. What is true in a cell follows from its seed and from what was
+done when; so doing the same again leads to the same cups, zeros and stops. Only what readings drew from the
+cell's own generator is not repeated: after tracker readings the scatter of later stops is another one.
 """
 
 import hashlib
@@ -102,6 +102,11 @@ class RememberedCell(Cell):
         super().plant_change(change)
         self._note(did="effect", change=asdict(change))
 
+    def mount_tool_anew(self) -> None:
+        """Take the tool off and put it on again."""
+        super().mount_tool_anew()
+        self._note(did="attach")
+
     def do(self, action: str, details: Mapping[str, Detail]) -> None:
         """Have the hands do one thing; raises HandsError."""
         self.hands.do(action, details)
@@ -122,6 +127,8 @@ class RememberedCell(Cell):
                 self.halt_robot()
             case "effect":
                 self.plant_change(PlantedChange(**entry["change"]))
+            case "attach":
+                self.mount_tool_anew()
             case "deed":
                 self.hands.do_again(entry["action"], entry["details"])
             case other:

@@ -95,6 +95,10 @@ class Cell:
         self.planted = planted
         self._stop = None
 
+    def mount_tool_anew(self) -> None:
+        """Take the tool off and put it on again."""
+        self.attachment += 1
+
     def add_fault(self, fault: Fault) -> int:
         """Script a failure and return its number; raises ScenarioError when it cannot happen here."""
         self.scenario.check_fault(fault)

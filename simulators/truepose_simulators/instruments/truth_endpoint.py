@@ -133,7 +133,7 @@ def _fault(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 
 def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     del request
-    cell.attachment += 1
+    cell.mount_tool_anew()
     return {"attachment": cell.attachment}
 
 

@@ -52,6 +52,7 @@ def standing(cell) -> dict[str, object]:
         "seat": cell.ballbar.seat(now_s),
         "plugged": cell.ballbar.plugged,
         "ball_fitted": cell.hands.ball_fitted,
+        "attachment": cell.attachment,
         "effects": [change.name for change in cell.planted.changes],
     }
 
@@ -60,6 +61,7 @@ async def test_what_stood_stands_again(tmp_path):
     first = await started(tmp_path / "cell.json")
     await some_work(first)
     first.do("pull_cable", {})
+    first.mount_tool_anew()
     first.plant_change(PlantedChange("joint_gain", "joint 2", 1e-3, 0.0, {}))
     before = standing(first)
 
