@@ -118,9 +118,10 @@ class PlaneAtSensor:
     sensor: FloatArray  # (3, 3) its axes in the last frame, in columns
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
-        """Return where the beam meets the plane, from the nest on, shape (n, 1)."""
+        """Return where the beam meets the plane, from the nest on, shape (n, 1); along it: infinite."""
         # In the frame of the plane the beam is at height z + s z' after s: it meets the plane where that is
         # 0.
         sensor = inverse(self.frame) @ last_frame @ motion(nest_mm, self.sensor)
-        met: FloatArray = -sensor[:, 2, 3:] / sensor[:, 2, 2:3]
+        height, slope = sensor[:, 2, 3:], sensor[:, 2, 2:3]
+        met: FloatArray = np.divide(-height, slope, out=np.full_like(height, np.inf), where=slope != 0.0)
         return met

@@ -53,6 +53,8 @@ class LoopSetup:
             if self.reader not in _KINDS.get(kind, ()):
                 raise ScenarioError(f'key "kinds": a {self.reader} does not read a {kind}')
         n = len(self.kinds)
+        if n == 0 or not all(map(any, self.normals)):
+            raise ScenarioError('key "kinds" must not be empty, and "normals" must not contain a zero vector')
         for name in ("places_mm", "normals", "zeros_mm"):
             if len(getattr(self, name)) not in {n, 0 if name != "places_mm" else n}:
                 raise ScenarioError(f'key "{name}" must have {n} entries, one for each of "kinds"')

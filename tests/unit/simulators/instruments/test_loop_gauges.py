@@ -65,6 +65,8 @@ def test_a_cell_without_a_loop_has_no_gauge_and_is_the_same_cell_as_before():
         ({"paper_u_mm": -1.0}, "paper_u_mm"),
         ({"travel_mm": 0.0}, "travel_mm"),
         ({"axis": (0.0, 0.0, 0.0)}, "axis"),
+        ({"normals": ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))}, "normals"),
+        ({"kinds": (), "places_mm": (), "zeros_mm": ()}, "kinds"),
     ],
 )
 def test_a_scenario_that_cannot_be_is_told(changes, sentence):

@@ -44,3 +44,13 @@ def test_a_beam_ends_where_it_meets_the_plane():
 
     met = PLACES + read * (FRAMES[:, :3, :3] @ sensor[:, 2])
     assert (met - CENTRE) @ axes[:, 2] == pytest.approx(np.zeros(6), abs=1e-9)
+
+
+def test_a_beam_along_the_plane_never_meets_it():
+    along, across = rotation(np.array([0.0, np.pi / 2.0, 0.0])), np.eye(3)
+    frames = pose_matrix(np.array([[0.0, 0.0, 30.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3)))
+
+    read = PlaneAtSensor(np.eye(4), np.round(along)).read_mm(frames, np.zeros((2, 3)))
+
+    assert read.tolist() == [[np.inf], [np.inf]]
+    assert PlaneAtSensor(np.eye(4), across).read_mm(frames, np.zeros((2, 3))).tolist() == [[-30.0], [0.0]]
