@@ -89,9 +89,12 @@ class MotionGuard:
 
     stops_unheard_s: float | None = None  # silence after which the controller stops by itself; None: never
     longest_piece_s: float | None = None  # send no motion that takes longer at once; None: send it whole
+    # Of the limits, as the controller's speed override leaves it now; None: the controller does not tell.
+    speed_share: float | None = None
     speed_read_back: bool = False  # the controller states the limits that it was given
     speed_point_mm: Vector = (0.0, 0.0, 0.0)  # at which it keeps the tool's speed, in the flange's frame
-    # From joints to joints [rad], at the limits that were set last; None: no longer than they let it.
+    # From joints to joints [rad], at the limits that were set last and an override of 100 %; None: no longer
+    # than they let it.
     takes_s: Callable[[tuple[float, ...], tuple[float, ...]], float] | None = field(
         default=None, compare=False
     )

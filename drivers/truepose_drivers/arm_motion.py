@@ -9,7 +9,7 @@ import asyncio
 import math
 import sys
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Protocol, TypeAlias, TypeVar
 
 from truepose_drivers.api import (
@@ -223,6 +223,11 @@ class Companion(Protocol):
         """Ask where the joints are."""
         ...
 
+    @property
+    def speed_share(self) -> float | None:
+        """Of the limits, as the speed override leaves it, by what was stated last; None: it is not told."""
+        ...
+
     async def last_words(self) -> str:
         """Return what the controller said last to people, empty where that is not known."""
         ...
@@ -247,8 +252,9 @@ class AccompaniedRobot:
 
     @property
     def motion_guard(self) -> MotionGuard:
-        """What the protocol says that moves it."""
-        return self._robot.motion_guard
+        """What the protocol says that moves it, with the speed override where the companion tells it."""
+        guard = self._robot.motion_guard
+        return replace(guard, speed_share=self._companion.speed_share or guard.speed_share)
 
     async def connect(self) -> None:
         """Connect both; raises ConnectFailedError."""

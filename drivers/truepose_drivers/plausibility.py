@@ -246,6 +246,9 @@ def motion_guard_of(driver: object) -> MotionGuard:
             seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
             for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
         )
+        and (
+            stated.speed_share is None or (_is_number(stated.speed_share) and 0.0 < stated.speed_share <= 1.0)
+        )
         and _is_place(stated.speed_point_mm)
     )
     if not (isinstance(stated, MotionGuard) and plausible):

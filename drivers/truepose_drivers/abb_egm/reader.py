@@ -75,6 +75,11 @@ class EgmReader(OnePortDevice):
             time_s=await self._clock.now_s(),
         )
 
+    @property
+    def speed_share(self) -> None:
+        """A stream tells no speed override."""
+        return None
+
     async def last_words(self) -> str:
         """Return nothing: a stream has no words."""
         return ""

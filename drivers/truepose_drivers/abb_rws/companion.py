@@ -1,18 +1,18 @@
 """Robot Web Services beside open_abb: state before every motion, joints to all digits, the event log."""
 
-import math
-
 from truepose_drivers import options as option
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
-from truepose_drivers.abb_rws.motion import read_panel
-from truepose_drivers.abb_rws.protocol import Execution, controller_state
+from truepose_drivers.abb_rws.motion import read_joints, read_panel
+from truepose_drivers.abb_rws.protocol import FULL_PERCENT, Execution, controller_state
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import NotInitialisedError
 from truepose_drivers.transports.link import introduction
 from truepose_drivers.transports.tcp import tcp_link
+
+_LOWEST_PERCENT = 1.0  # at 0 nothing moves, and no motion has a duration
 
 LOGIN_OPTIONS = {
     "user": f'user of the controller\'s web services, "{protocol.USER}" unless changed',
@@ -26,6 +26,7 @@ class RwsCompanion:
     def __init__(self, session: RwsSession, clock: Clock) -> None:
         self._session = session
         self._clock = clock
+        self._speed_percent = FULL_PERCENT  # as stated last
 
     @property
     def connected(self) -> bool:
@@ -46,6 +47,7 @@ class RwsCompanion:
     async def require_ready(self) -> None:
         """Raise NotInitialisedError where motors, program or speed override are in the way."""
         now = await read_panel(self._session)
+        self._speed_percent = now.speed_percent
         if now.halt is not None:
             raise NotInitialisedError(f"the robot cannot move: {now.halt}; then confirm")
         if now.execution is Execution.STOPPED:
@@ -53,14 +55,16 @@ class RwsCompanion:
                 "the robot cannot move: its program stands; start it on the pendant, then confirm"
             )
 
+    @property
+    def speed_share(self) -> float:
+        """Of the limits, as the speed override leaves it, by what was stated last."""
+        return max(self._speed_percent, _LOWEST_PERCENT) / FULL_PERCENT
+
     async def read_joints(self) -> JointReading:
-        """Ask where the joints are; also while the arm moves."""
-        joints_deg = await self._session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
-        return JointReading(
-            joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(protocol.RESOLUTION_DEG),
-            time_s=await self._clock.now_s(),
-        )
+        """Ask where the joints are, and how fast the arm may be; also while it moves."""
+        # Whoever cuts the next motion to a length asks for the joints just before.
+        self._speed_percent = await self._session.get(protocol.SPEED_RATIO, protocol.speed_percent)
+        return await read_joints(self._session, self._clock)
 
     async def last_words(self) -> str:
         """Return the newest entry of the event log."""

@@ -14,7 +14,7 @@ from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, RwsCompanion, login_of
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
-from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
+from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_joints, read_panel
 from truepose_drivers.abb_rws.protocol import STOPS_WITHIN_S, Order, Panel
 from truepose_drivers.api import (
     Clock,
@@ -60,6 +60,7 @@ class RwsRobot:
     ) -> None:
         known = login or Login(protocol.USER, protocol.PASSWORD)
         self._session = RwsSession(link, known)
+        self._clock = clock
         self._watch = RwsCompanion(self._session, clock)
         self._program = RapidProgram(self._session, patience or Patience())
         self._limits = MotionLimits()
@@ -98,7 +99,7 @@ class RwsRobot:
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; also while the arm moves."""
-        return await self._watch.read_joints()
+        return await read_joints(self._session, self._clock)
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.

@@ -1,12 +1,14 @@
 """One motion by our RAPID program: state, order, what it understood, beats until the arm has arrived."""
 
 import asyncio
+import math
 import random
 from dataclasses import dataclass, replace
 from typing import Final
 
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
+from truepose_drivers.api import Clock, JointReading
 from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.errors import (
     BusyError,
@@ -45,6 +47,16 @@ async def read_panel(session: RwsSession) -> protocol.Panel:
         mode=await session.get(protocol.OPERATION_MODE, protocol.operation_mode),
         execution=await session.get(protocol.EXECUTION, protocol.execution),
         speed_percent=await session.get(protocol.SPEED_RATIO, protocol.speed_percent),
+    )
+
+
+async def read_joints(session: RwsSession, clock: Clock) -> JointReading:
+    """Ask where the joints are; also while the arm moves."""
+    joints_deg = await session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
+    return JointReading(
+        joints_rad=tuple(map(math.radians, joints_deg)),
+        resolution_rad=math.radians(protocol.RESOLUTION_DEG),
+        time_s=await clock.now_s(),
     )
 
 

@@ -173,7 +173,7 @@ def _embedded(response: HttpResponse) -> Mapping[str, object]:
     return embedded
 
 
-_FULL_PERCENT: Final = 100.0
+FULL_PERCENT: Final = 100.0
 
 Known = TypeVar("Known", bound=StrEnum)
 
@@ -261,7 +261,7 @@ def execution(response: HttpResponse) -> Execution:
 def speed_percent(response: HttpResponse) -> float:
     """Read the speed override; raises RwsProtocolError."""
     percent = number(state(response, "pnl-speedratio").get("speedratio"))
-    if not 0.0 <= percent <= _FULL_PERCENT:
+    if not 0.0 <= percent <= FULL_PERCENT:
         raise RwsProtocolError(f"the robot states a speed override of {percent:g} %: connect again")
     return percent
 

@@ -90,12 +90,17 @@ class RmiRobot(OnePortDevice):
         self._limits = MotionLimits()
         self._one_motion = asyncio.Lock()
         self._sequence = 0  # number of the next instruction
+        self._override_percent = protocol.FASTEST_PERCENT  # that somebody set, as stated last
         self._stated: protocol.StatedAxes | None = None  # last in this session
 
     @property
     def motion_guard(self) -> MotionGuard:
         """What is sent at once is short at this driver's own speed, which may be far below the limits."""
-        return MotionGuard(longest_piece_s=LONGEST_PIECE_S, takes_s=self._takes_s)
+        return MotionGuard(
+            longest_piece_s=LONGEST_PIECE_S,
+            speed_share=self._override_percent / protocol.FASTEST_PERCENT,
+            takes_s=self._takes_s,
+        )
 
     def _takes_s(self, start_rad: Angles, target_rad: Angles) -> float:
         maker = PieceMaker(self._counting, self._pace, self._limits)
@@ -118,7 +123,7 @@ class RmiRobot(OnePortDevice):
 
     async def identify(self) -> DeviceIdentity:
         """Return the interface's version, which is all that it tells of itself."""
-        await self._asked(protocol.Command.STATUS, protocol.decode_status)
+        await self._status()
         return DeviceIdentity("FANUC", _UNKNOWN, _UNKNOWN, self._link.version)
 
     async def set_limits(self, limits: MotionLimits) -> None:
@@ -134,9 +139,9 @@ class RmiRobot(OnePortDevice):
         """
         target_deg = self._shown_deg(target_rad)
         async with self._one_motion:
-            status = await self._ready()
-            while not await self._move_on(target_deg, status.override_percent):
-                status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
+            await self._make_ready()
+            while not await self._move_on(target_deg, self._override_percent):
+                await self._status()
             await self._require_arrival(target_deg)
 
     async def read_joints(self) -> JointReading:
@@ -181,9 +186,15 @@ class RmiRobot(OnePortDevice):
             )
         return False
 
-    async def _ready(self) -> protocol.Status:
-        """Have the controller take motions, and return its status; raises NotInitialisedError."""
+    async def _status(self) -> protocol.Status:
+        """Ask for the status between two motions, when no speed override but somebody else's holds."""
         status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
+        self._override_percent = status.override_percent
+        return status
+
+    async def _make_ready(self) -> None:
+        """Have the controller take motions; raises NotInitialisedError."""
+        status = await self._status()
         if status.pendant_on or status.single_step:
             what = "switch its pendant off" if status.pendant_on else "end single steps on its pendant"
             raise NotInitialisedError(
@@ -191,12 +202,10 @@ class RmiRobot(OnePortDevice):
             )
         if self._exchanges.holds or not status.running:
             await self._initialise(status)
-            status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
             # Read back, not begun at 1: on some controllers the count outlives FRC_Initialize, and a number
             # out of turn is refused or silently dropped.
-            self._sequence = status.next_sequence
+            self._sequence = (await self._status()).next_sequence
             self._exchanges.holds = False
-        return status
 
     async def _initialise(self, status: protocol.Status) -> None:
         """Begin the controller's program anew; its faults are reset where that is refused."""

@@ -147,7 +147,9 @@ async def require_told(kind, robot):
         assert len(driver.sent) == 2
         assert f"stops the arm by itself within {offered.stops_unheard_s:g} s" in english(before)
     else:
-        assert f"for up to {offered.longest_piece_s:g} s." in english(before)
+        told = f"for up to {offered.longest_piece_s:g} s"
+        known = ", longer only where" if offered.speed_share else " at a speed override of 100 %"
+        assert told + known in english(before)
         # the speed of the flange changes a little between two of the looks along the way
         assert longest_s <= 1.05 * offered.longest_piece_s
     return longest_s, len(driver.sent) - 1, before
@@ -171,6 +173,40 @@ async def test_of_a_controller_that_answers_the_arm_sends_what_people_are_told(n
         await require_told(kind, robot)
     finally:
         await bench.close()
+
+
+def turned_down(driver):
+    """Have the controller tell, from the fourth motion on, that somebody has set its override to 25 %."""
+    if hasattr(driver, "_companion"):
+        driver._companion._speed_percent = 25.0
+    else:
+        driver._override_percent = 25
+
+
+@pytest.mark.parametrize("kind", SETUPS)
+@pytest.mark.parametrize("named", ["fanuc_rmi", "abb_open_abb watched by web services"])
+async def test_an_override_that_is_turned_down_on_the_way_shortens_what_is_sent_from_then_on(named, kind):
+    robot = unconnected(named)
+    driver = recorded(robot)
+    in_cell = cell_of(kind, rack_of(robot, FakeClock())).robot_controller
+    move, guard = type(driver).move_joints, driver.motion_guard
+
+    async def moved_and_turned_down(self, target_rad):
+        await move(self, target_rad)
+        if len(self.sent) == 4:
+            turned_down(self)
+
+    type(driver).move_joints = moved_and_turned_down
+    motions = await moved(in_cell, driver, SLOW)
+
+    times_s = [
+        max(duration_s(start, end, guard.speed_point_mm), guard.takes_s(start, end) if guard.takes_s else 0.0)
+        for start, end in motions
+    ]
+    assert in_cell.motion_guard.speed_share == 0.25
+    # the speed of the flange changes a little between two of the looks along the way
+    assert max(times_s[:3]) <= 1.05 * guard.longest_piece_s
+    assert max(times_s[3:]) <= 1.05 * guard.longest_piece_s * 0.25
 
 
 @pytest.mark.parametrize("kind", SETUPS)

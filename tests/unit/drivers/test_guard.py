@@ -401,7 +401,7 @@ async def test_a_time_that_is_none_is_refused(now_s):
 class Able(Instrument):
     """Offers everything that a driver may offer."""
 
-    motion_guard = MotionGuard(longest_piece_s=0.8)
+    motion_guard = MotionGuard(longest_piece_s=0.8, speed_share=0.5)
     settings = "It measures an SMR."
 
     async def reflector_now(self):
@@ -476,6 +476,10 @@ class Unable(Instrument):
         MotionGuard(longest_piece_s=1.0, speed_point_mm=(0.0, math.nan, 125.0)),
         MotionGuard(longest_piece_s=1.0, speed_point_mm=(0.0, 125.0)),
         MotionGuard(longest_piece_s=1.0, speed_point_mm=None),
+        *(
+            MotionGuard(longest_piece_s=1.0, speed_share=share)
+            for share in (0.0, -0.5, 1.5, math.nan, "half")
+        ),
     ],
     ids=str,
 )

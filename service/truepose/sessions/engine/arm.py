@@ -8,7 +8,7 @@ so the arm takes the same way and comes to every stop from the same side.
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, TypeAlias
@@ -193,16 +193,25 @@ class Arm:
         if self._left_at is None:
             await self._require_rest()
         reading = await self._read_in_time()
-        for number, piece_rad in enumerate(self._pieces_to(target_rad, reading)):
-            if number > 0:
-                # What the permission rests on grows old while a piece is under way: a piece may last longer
-                # than a sample of the ballbar counts (commit 5dc5fb9a).
-                if self._before_piece is not None:
-                    await self._before_piece()
-                reading = await self._read_in_time()
+        share, pieces = self._speed_share, self._pieces_to(target_rad, reading)
+        while (piece_rad := next(pieces)) != target_rad:
             await self._move_piece(piece_rad, target_rad, reading)
+            # What the permission rests on grows old while a piece is under way: a piece may last longer
+            # than a sample of the ballbar counts (commit 5dc5fb9a).
+            if self._before_piece is not None:
+                await self._before_piece()
+            reading = await self._read_in_time()
+            # The rest is cut anew where somebody has turned the speed override meanwhile.
+            if self._speed_share != share:
+                share, pieces = self._speed_share, self._pieces_to(target_rad, reading)
+        await self._move_piece(target_rad, target_rad, reading)
 
-    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> Iterable[Joints]:
+    @property
+    def _speed_share(self) -> float:
+        """Of the limits, as the speed override leaves it; one that is not told is taken for 100 %."""
+        return self._controller.motion_guard.speed_share or 1.0
+
+    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> Iterator[Joints]:
         # Where the arm was left is exact; what it reports is rounded, and pieces from there would not lie on
         # the planned line.
         start_rad = self._left_at or reading.joints_rad
@@ -212,10 +221,10 @@ class Arm:
         # What is not known is not cut but judged as it is: the interlocks below refuse a target with other
         # joints, or one that is no number.
         if longest_s is None or not known or not self._pace.waits:
-            return (target_rad,)
+            return iter((target_rad,))
         # A controller that knows speeds of joints only goes more slowly than the limits let it.
         takes_s = 0.0 if guard.takes_s is None else guard.takes_s(start_rad, target_rad)
-        return self._segments.of(start_rad, target_rad, longest_s, takes_s)
+        return self._segments.of(start_rad, target_rad, longest_s * self._speed_share, takes_s)
 
     async def _move_piece(self, piece_rad: Joints, target_rad: Joints, reading: JointReading) -> None:
         now_s = await self._clock.now_s()

@@ -168,10 +168,12 @@ def speed_sentence(speed: MotionLimits, guard: MotionGuard) -> Message:
 
 def end_of_motion(controller: GuardsMotion) -> Message:
     """Return when the arm comes to rest after a pause or the end was asked for, as the end of a sentence."""
-    longest_s = controller.motion_guard.longest_piece_s
-    if longest_s is None:
+    guard = controller.motion_guard
+    if guard.longest_piece_s is None:
         return message("session.end_of_motion.whole")
-    return message("session.end_of_motion.piece", longest_s=longest_s)
+    if guard.speed_share is None:
+        return message("session.end_of_motion.piece_at_full_speed", longest_s=guard.longest_piece_s)
+    return message("session.end_of_motion.piece", longest_s=guard.longest_piece_s)
 
 
 def motion_notice(guard: MotionGuard) -> Text:
@@ -184,9 +186,12 @@ def _left_alone(guard: MotionGuard) -> Message:
     # The best first: a controller that watches its program makes pieces unnecessary.
     if guard.stops_unheard_s is not None:
         return message("session.notice.stops", seconds=guard.stops_unheard_s)
-    if guard.longest_piece_s is not None:
-        return message("session.notice.piece", seconds=guard.longest_piece_s)
-    return message("session.notice.target")
+    if guard.longest_piece_s is None:
+        return message("session.notice.target")
+    # Pieces are cut for the speed override that holds, where the controller tells it.
+    if guard.speed_share is None:
+        return message("session.notice.piece_at_full_speed", seconds=guard.longest_piece_s)
+    return message("session.notice.piece", seconds=guard.longest_piece_s)
 
 
 def check_numbers(plan: SessionPlan | BallbarPlan | ContactPlan, *positive: str) -> None:

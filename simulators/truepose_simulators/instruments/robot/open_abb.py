@@ -77,6 +77,11 @@ class ProgramState(Protocol):
         """Whether it runs."""
         ...
 
+    @property
+    def speed_percent(self) -> float:
+        """Speed override."""
+        ...
+
     def restart(self) -> None:
         """Run it from its beginning, as far as nothing holds the arm."""
         ...
@@ -86,6 +91,7 @@ class AlwaysRuns:
     """A program that nobody else can stop."""
 
     runs = True
+    speed_percent = 100.0
 
     def restart(self) -> None:
         """Do nothing: it runs."""
@@ -240,9 +246,11 @@ class MotionProgram:
             raise self._stopped("the target was refused")
         if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
             raise self._stopped("a speed must be above 0")
-        if not self._controller.runs:
-            raise self._stopped("the program stands")
-        await self._rest_after(self._cell.set_off(waypoints, limits, self._tool[:3, 3]).duration_s)
+        share = self._controller.speed_percent / 100.0
+        if not self._controller.runs or share <= 0.0:
+            raise self._stopped("the program stands, or its speed override at 0 %")
+        slowed = SpeedLimits(limits.tool_mm_s * share, limits.orientation_rad_s * share, joint_share=share)
+        await self._rest_after(self._cell.set_off(waypoints, slowed, self._tool[:3, 3]).duration_s)
         if not self._controller.runs:
             raise self._stopped("the program was stopped on the way")
         if isinstance(fault, RobotHangs):

@@ -13,7 +13,7 @@ from truepose_drivers.abb_rws.companion import RwsCompanion
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.protocol import ControllerState, OperationMode
-from truepose_drivers.api import MotionLimits
+from truepose_drivers.api import MotionGuard, MotionLimits
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError, NotInitialisedError
 from truepose_drivers.monotonic_clock import MonotonicClock
@@ -92,6 +92,20 @@ async def test_an_arm_that_cannot_move_is_not_sent_anywhere(spoil, match):
         assert robot.connected
 
     assert not bench.cell.robot.target_rad.any()
+
+
+async def test_an_override_that_somebody_turns_down_is_told_before_the_next_motion():
+    bench = Bench()
+    async with connected(bench) as robot:
+        told = [robot.motion_guard]
+        bench.controller.speed_percent = 40.0
+        await robot.read_joints()
+        told.append(robot.motion_guard)
+        began_s = bench.cell.clock.now_s
+        await robot.move_joints(AWAY)
+
+    assert told == [MotionGuard(longest_piece_s=1.0, speed_share=share) for share in (1.0, 0.4)]
+    assert bench.cell.clock.now_s - began_s == pytest.approx(60.0 / (0.4 * 20.0), abs=0.1)  # so slow it is
 
 
 async def test_a_person_with_the_enabling_device_may_move_the_arm():

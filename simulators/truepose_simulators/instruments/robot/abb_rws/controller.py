@@ -199,6 +199,8 @@ class _Motions:
     ) -> bool:
         """Move; whether the arm arrived and the program knows it. Errors stop the program."""
         fault = self._cell.faults.next_move()
+        if self._controller.speed_percent <= 0.0:
+            return False  # it waits for a higher override, and never arrives
         try:
             if isinstance(fault, RobotRefuses):
                 raise TargetOutOfRangeError("the target was refused")

@@ -39,7 +39,7 @@ pytestmark = pytest.mark.simulated_time
 def test_it_sends_short_pieces_only():
     robot: RobotController = robot_of(FakeController())
 
-    assert robot.motion_guard == MotionGuard(longest_piece_s=0.8)
+    assert robot.motion_guard == MotionGuard(longest_piece_s=0.8, speed_share=1.0)
     assert robot.can_stop_motion
     assert not robot.connected
 

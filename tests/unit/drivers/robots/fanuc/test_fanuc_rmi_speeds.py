@@ -68,6 +68,22 @@ async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shor
     assert ends[-1] == pytest.approx(90.0)
 
 
+async def test_the_override_that_somebody_set_is_told_and_not_the_drivers_own():
+    fake = FakeController()
+    fake.status = replace_status(fake.status, override_percent=80)
+    robot = await connected(fake)
+    await robot.identify()
+    told = [robot.motion_guard.speed_share]
+
+    moving = await begun(robot, fake, 2.0)
+    told.append(robot.motion_guard.speed_share)
+    fake.status = replace_status(fake.status, override_percent=30)
+    await moving
+
+    assert fake.overrides[0] == 57  # 2.0 of 3.5 deg/s
+    assert [*told, robot.motion_guard.speed_share] == [0.8, 0.8, 0.3]
+
+
 async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits_and_is_left_to_them():
     fake = FakeController()
     fake.status = replace_status(fake.status, override_percent=80)

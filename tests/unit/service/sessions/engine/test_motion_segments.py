@@ -103,6 +103,35 @@ async def test_the_arm_comes_to_its_stop_from_the_same_side_in_pieces():
     assert arms[0].direction == arms[1].direction
 
 
+class SlowedRobot(FakeRobot):
+    """A robot whose speed override somebody turns down on its way."""
+
+    turns_down_after, low = 3, 0.2
+
+    @property
+    def motion_guard(self):
+        share = 1.0 if len(self.moves) < self.turns_down_after else self.low
+        return MotionGuard(longest_piece_s=1.0, speed_share=share)
+
+
+async def test_each_piece_is_cut_for_the_override_that_holds_then():
+    robot, clock = await connected(SlowedRobot)
+    arm = await make_arm(robot, clock)
+
+    await arm.move(TARGET)
+
+    times_s = [duration_s(a, b) for a, b in pairwise((START, *robot.moves))]
+    assert robot.moves[-1] == TARGET
+    assert min(times_s[: robot.turns_down_after]) > 0.3
+    # the speed of the flange changes a little between two of the looks along the way
+    assert max(times_s[: robot.turns_down_after]) <= 1.05
+    assert max(times_s[robot.turns_down_after :]) <= 1.05 * robot.low
+    ways = np.diff((START, *robot.moves), axis=0)
+    assert ways / np.linalg.norm(ways, axis=1, keepdims=True) == pytest.approx(
+        np.broadcast_to(ways[0] / np.linalg.norm(ways[0]), ways.shape), abs=1e-9
+    )
+
+
 async def test_a_halt_takes_effect_after_the_piece_under_way():
     robot, clock = await connected()
     asked = []
@@ -201,7 +230,9 @@ async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
 
 def test_what_a_controller_does_when_it_is_left_alone_is_said():
     assert "goes on to its target" in english(motion_notice(MotionGuard()))
-    assert "for up to 1 s" in english(motion_notice(MotionGuard(longest_piece_s=1.0)))
+    assert "for up to 1 s at a speed override" in english(motion_notice(MotionGuard(longest_piece_s=1.0)))
+    told = MotionGuard(longest_piece_s=1.0, speed_share=0.3)
+    assert "for up to 1 s, longer only where the speed override" in english(motion_notice(told))
     assert "stops the arm by itself within 1 s" in english(motion_notice(MotionGuard(stops_unheard_s=1.0)))
 
 
