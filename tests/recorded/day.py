@@ -238,7 +238,8 @@ async def _results(day):
         "/api/v1/corrections/1/file",
     )
     await day.get(*(f"/api/v1/models/1/exports/{form}" for form in ("urdf", "ros", "dhm", "controller")))
-    await day.get(*(f"/api/v1/{kind}/1/space" for kind in ("identifications", "diagnoses", "validations")))
+    results = ("identifications", "diagnoses", "validations")
+    await day.get(*(f"/api/v1/{kind}/1/{form}" for form in ("space", "residuals") for kind in results))
 
 
 async def _second_session(day):

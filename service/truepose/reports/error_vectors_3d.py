@@ -41,10 +41,20 @@ class ErrorSpace:
     total: int  # readings, of which an even selection is shown
 
 
-def error_space(model: Model, readings: Readings) -> ErrorSpace:
+def error_space(model: Model, readings: Readings, config: int | None = None) -> ErrorSpace:
     """Return the errors of a model at readings, with the arm where they are largest.
 
-    Raises ConfigurationError where the readings do not fit the model.
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings, LegReadings or ContactReadings
+    config : int, optional
+        A configuration whose arm comes first, however small its errors are.
+
+    Raises
+    ------
+    ConfigurationError
+        The readings do not fit the model.
     """
     judged = judge(model, readings, model.repeatability_mm)
     points = judged.position_mm
@@ -57,16 +67,18 @@ def error_space(model: Model, readings: Readings) -> ErrorSpace:
         after_mm=after[shown],
         times_before=exaggeration(points, before),
         times_after=exaggeration(points, after),
-        poses=_poses(model, readings, _norms(before), _norms(after)),
+        poses=_poses(model, readings, _norms(before), _norms(after), config),
         instrument_mm=model.instrument_mm,
         total=len(points),
     )
 
 
-def _poses(model: Model, readings: Readings, before_mm: FloatArray, after_mm: FloatArray) -> tuple[Pose, ...]:
+def _poses(
+    model: Model, readings: Readings, before_mm: FloatArray, after_mm: FloatArray, first_config: int | None
+) -> tuple[Pose, ...]:
     configs, first, row_of = np.unique(readings.stops.config, return_index=True, return_inverse=True)
     worst_before, worst_after = (_largest(each, row_of, len(configs)) for each in (before_mm, after_mm))
-    chosen = np.argsort(-worst_after, kind="stable")[:_MOST_POSES]
+    chosen = np.lexsort((-worst_after, configs != first_config))[:_MOST_POSES]
     nests = np.array([nest.centre_mm for nest in model.nests]).reshape(-1, 3)
     pieces = arm_pieces(model.robot, model.base, nests, readings.stops.joints_rad[first[chosen]])
     return tuple(

@@ -23,6 +23,7 @@ from truepose.web.api import (
     models,
     people,
     readings,
+    residuals,
     robots,
     series,
     sign_ins,
@@ -50,6 +51,7 @@ from truepose.web.pages import (
     work,
 )
 from truepose.web.pages import people as people_pages
+from truepose.web.pages import residuals as residual_pages
 from truepose.web.pages import sessions as session_pages
 from truepose.web.tablet import routes as tablet
 
@@ -77,6 +79,7 @@ _RESOURCES: Final = (
     corrections.router,
     campaigns.router,
     spaces.router,
+    residuals.router,
     sign_ins.router,
     people.router,
     authority.router,
@@ -96,6 +99,7 @@ _PAGES: Final = (
     cell,
     work,
     identification,
+    residual_pages,
     repeat_session,
     robot,
     reference,

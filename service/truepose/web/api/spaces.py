@@ -1,8 +1,9 @@
 """Errors in space, as pictures of results show them to be turned; and plans in space."""
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
+from fastapi import Query
 from pydantic import Field
 
 from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
@@ -10,7 +11,7 @@ from truepose.domain.identification import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here
 from truepose.web.resources import Id, problems, resource
-from truepose.web.schemas import Point, Reply
+from truepose.web.schemas import NUMBER_LIMIT, Point, Reply
 
 if TYPE_CHECKING:
     from truepose.domain.arrays import FloatArray
@@ -122,39 +123,55 @@ def plan_space_reply(space: "PlanSpace") -> PlanSpaceReply:
 
 router = resource(tags=["spaces"])
 _READ = problems(404, 409, 422, 503)
+FirstConfig = Annotated[
+    int | None,
+    Query(
+        ge=0,
+        le=NUMBER_LIMIT,
+        description="A configuration whose arm comes first among the poses.",
+        examples=[12],
+    ),
+]
 
 
 @router.get("/identifications/{id}/space", responses=_READ)
-async def get_identification_space(here: Here, id: Id) -> SpaceReply:
+async def get_identification_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood: at readings kept for validation, else at those identified from."""
     record = await here.results.identification(id)
-    return await _space(here, record.model_id, record.campaign_id)
+    return await _space(here, record.model_id, record.campaign_id, config)
 
 
 @router.get("/validations/{id}/space", responses=_READ)
-async def get_validation_space(here: Here, id: Id) -> SpaceReply:
+async def get_validation_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood, at the readings that judged the model."""
     record = await here.results.validation(id)
-    return await _space(here, record.model_id, record.campaign_id)
+    return await _space(here, record.model_id, record.campaign_id, config)
 
 
 @router.get("/diagnoses/{id}/space", responses=_READ)
-async def get_diagnosis_space(here: Here, id: Id) -> SpaceReply:
+async def get_diagnosis_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood: of the nominal robot, and of the model a diagnosis ends with."""
     record = await here.diagnoses.get(id)
-    return await _space(here, record.model_id, record.campaign_id)
+    return await _space(here, record.model_id, record.campaign_id, config)
 
 
-async def _space(here: Context, model_id: int | None, campaign_id: int) -> SpaceReply:
+async def _space(here: Context, model_id: int | None, campaign_id: int, config: int | None) -> SpaceReply:
+    model, content = await model_and_campaign(here, model_id, campaign_id)
+    return await asyncio.to_thread(_drawn, model, content, config)
+
+
+async def model_and_campaign(here: Context, model_id: int | None, campaign_id: int) -> tuple[Model, bytes]:
+    """Return a model and, as it is stored, the campaign that it is held against.
+
+    The campaign is unpacked off the loop: a session that measures waits for no picture. Raises NotFoundError
+    where the result has no model.
+    """
     if model_id is None:
         raise NotFoundError("model of that result", campaign_id)
-    model = (await here.results.model(model_id)).model
-    # The campaign as it is stored, unpacked off the loop: a session that measures waits for no picture.
-    content = await here.campaigns.content(campaign_id)
-    return await asyncio.to_thread(_drawn, model, content)
+    return (await here.results.model(model_id)).model, await here.campaigns.content(campaign_id)
 
 
-def _drawn(model: Model, content: bytes) -> SpaceReply:
+def _drawn(model: Model, content: bytes, config: int | None) -> SpaceReply:
     from truepose.reports.error_vectors_3d import error_space
 
-    return space_reply(error_space(model, judging_or_own(stored_campaign(content))))
+    return space_reply(error_space(model, judging_or_own(stored_campaign(content)), config))

@@ -79,6 +79,8 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         plan_checklist_view plan_checklist_pdf
         sessions_page session_page result_page operator_page new_session_page again_page
         get_identification_space get_validation_space get_diagnosis_space
+        get_identification_residuals get_validation_residuals get_diagnosis_residuals
+        identification_readings validation_readings diagnosis_readings
         corrections_page correction_page diagnoses_page diagnosis_page plan_page faults_page
         list_cells get_cell list_devices get_device list_robots get_robot
         list_sessions get_session get_plan get_progress get_proof get_circles get_sphere get_accuracy

@@ -88,20 +88,21 @@ def _schema_names(schema: Any) -> list[str]:
     return []
 
 
-_SCRIPT: Final = "text/javascript"
+_TYPES: Final = {".js": "text/javascript", ".css": "text/css"}
 _BUNDLES: Final = Path(__file__).parents[1] / "static" / "packages"
 
 
 @router.get("/static/packages/{name}", response_class=Response)
 async def package_file(name: str, request: Request) -> Response:
     """Send a bundle; where the installation could not make it there is none."""
-    script = next((path for path in _BUNDLES.glob("*.js") if path.name == name), None)
-    if script is None:
+    found = next((path for path in _BUNDLES.glob("*.*s") if path.name == name), None)
+    if found is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)
+    media_type = _TYPES[found.suffix]
     if "gzip" not in request.headers.get("accept-encoding", ""):
-        return file_response(request, script.read_bytes(), _SCRIPT, {"Vary": "Accept-Encoding"})
-    packed = script.with_suffix(".js.gz").read_bytes()
-    return file_response(request, packed, _SCRIPT, {"Vary": "Accept-Encoding", "Content-Encoding": "gzip"})
+        return file_response(request, found.read_bytes(), media_type, {"Vary": "Accept-Encoding"})
+    packed = found.with_name(f"{name}.gz").read_bytes()
+    return file_response(request, packed, media_type, {"Vary": "Accept-Encoding", "Content-Encoding": "gzip"})
 
 
 _GROUP: Final = len("TP-")  # where in a code the digit of its group stands

@@ -63,6 +63,15 @@ export class SpaceView extends HTMLElement {
     this.dataset.ready = "";
   }
 
+  // Another space in the same picture, once it has been opened.
+  async show(src) {
+    this.setAttribute("src", src);
+    if (!this.stage) return;
+    this.space = await answerTo(() => answered(src, {}, ""));
+    this.shown = 0;
+    this.paint();
+  }
+
   arrange() {} // controls of its own
 
   step(by) {

@@ -1,0 +1,63 @@
+"""The readings of a result as charts that answer: which are off, over what, and where."""
+
+from typing import Final, TypeAlias
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+
+from truepose.storage.records import DiagnosisRecord, IdentificationRecord, ValidationRecord
+from truepose.storage.results.items import WorkKind
+from truepose.web.pages.records import address_of, missing, record_at, title_of
+from truepose.web.pages.rendering import Visit, Visited
+
+_Judged: TypeAlias = IdentificationRecord | ValidationRecord | DiagnosisRecord
+router = APIRouter(include_in_schema=False)
+_VARIABLES: Final = (
+    "joint",
+    "torque",
+    "reach",
+    "x",
+    "y",
+    "z",
+    "number",
+    "time",
+    "temperature",
+    "attachment",
+)
+# What scripts fill into a sentence about a reading, and into one about a class of a histogram.
+_OF_READING: Final = ("config", "nest", "after", "before", "expected", "variable", "value")
+_OF_CLASS: Final = ("from", "to", "before", "after")
+
+
+@router.get("/identifications/{id}/readings", response_class=HTMLResponse)
+async def identification_readings(visit: Visited, id: str) -> HTMLResponse:
+    """Show the readings of an identification."""
+    record = await record_at(id, visit.here.results.identification)
+    return _page(visit, WorkKind.IDENTIFICATION, record)
+
+
+@router.get("/validations/{id}/readings", response_class=HTMLResponse)
+async def validation_readings(visit: Visited, id: str) -> HTMLResponse:
+    """Show the readings of a validation."""
+    return _page(visit, WorkKind.VALIDATION, await record_at(id, visit.here.results.validation))
+
+
+@router.get("/diagnoses/{id}/readings", response_class=HTMLResponse)
+async def diagnosis_readings(visit: Visited, id: str) -> HTMLResponse:
+    """Show the readings of a diagnosis."""
+    return _page(visit, WorkKind.DIAGNOSIS, await record_at(id, visit.here.diagnoses.get))
+
+
+def _page(visit: Visit, kind: WorkKind, record: _Judged | None) -> HTMLResponse:
+    if record is None or record.model_id is None:
+        return missing(visit)
+    say = visit.words.say
+    return visit.page(
+        "results/readings.html",
+        record=record,
+        result=address_of(kind, record.id),
+        title=title_of(kind, record.id, visit.words),
+        variables={name: say(f"readings.{name}", number="<number>") for name in _VARIABLES},
+        of_reading=say("readings.reading", **{name: f"<{name}>" for name in _OF_READING}),
+        of_class=say("readings.class", **{name: f"<{name}>" for name in _OF_CLASS}),
+    )
