@@ -10,12 +10,13 @@ from truepose.domain.robot import LinkMass
 from truepose.kinematics.chain import (
     alpha_gradient,
     beta_gradient,
+    body_gradients,
     forward,
     nominal_values,
     theta_gradient,
 )
 from truepose.kinematics.frames import rotation_x, rotation_xyz, rotation_z
-from truepose.kinematics.gravity import gravity_torques, moment_regressor
+from truepose.kinematics.gravity import centre_of_gravity, gravity_torques, moment_regressor
 
 CONFIGURATIONS = np.random.default_rng(1).uniform(-2.0, 2.0, (6, 7))
 BASE = rotation_xyz(0.1, -0.2, 0.7), np.array([100.0, -50.0, 20.0])
@@ -133,3 +134,30 @@ def test_moments_of_unknown_masses_enter_linearly():
     parts = parts - 2.0 * 20.0 * moment_regressor(chain, 2, 2, 1, GRAVITY)
 
     assert whole == pytest.approx(parts, abs=1e-6)
+
+
+@pytest.mark.parametrize("body", [0, 3, 6])
+def test_points_of_a_body_follow_its_shifts_and_turns(body):
+    chain = forward(nominal_values(IRB_120, joints_of(IRB_120)), *BASE)
+    rotation, about = chain.body(body)
+    motion = np.tile([1.0, -2.0, 0.5, 0.2, -0.1, 0.3], (len(about), 1))
+
+    def places(shift, angles):
+        return about + rotation @ shift + rotation @ rotation_xyz(*angles) @ TIP
+
+    gradient = body_gradients(chain, body, motion, places(np.zeros(3), motion[0, 3:]))
+
+    for k, one in enumerate(np.eye(3)):
+        by_shift = places(one, motion[0, 3:]) - places(np.zeros(3), motion[0, 3:])
+        by_angle = (
+            places(np.zeros(3), motion[0, 3:] + 1e-6 * one) - places(np.zeros(3), motion[0, 3:] - 1e-6 * one)
+        ) / 2e-6
+        assert gradient[k] == pytest.approx(by_shift)
+        assert gradient[3 + k] == pytest.approx(by_angle, abs=1e-5)
+
+
+def test_the_weight_of_a_link_acts_at_its_centre_of_gravity_in_the_world():
+    chain = forward(nominal_values(IRB_120, np.zeros((1, 6))), np.eye(3), np.array([0.0, 0.0, 100.0]))
+    upright = LinkMass(1, 5.0, (10.0, 20.0, 30.0))
+
+    assert centre_of_gravity(chain, upright) == pytest.approx(chain.origin[0] + [10.0, 20.0, 30.0])

@@ -4,13 +4,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from truepose.domain.robot import FramePlacement
 from truepose.kinematics.frames import (
     angles_xyz,
     cross,
+    placement_of,
+    placement_rotation,
+    placement_translation,
+    poses_of,
+    quaternion_from_rotation,
     rigid_alignment,
     rotation_from_quaternion,
     rotation_from_vector,
     rotation_xyz,
+    turned_axes,
     vector_from_rotation,
 )
 
@@ -63,6 +70,46 @@ def test_quaternions_have_w_first():
     quaternion = np.roll(random.as_quat(), 1, axis=1)
 
     assert rotation_from_quaternion(quaternion) == pytest.approx(random.as_matrix(), abs=1e-12)
+
+
+@pytest.mark.parametrize("largest", range(4))
+def test_a_quaternion_comes_back_from_its_rotation_whichever_part_is_the_largest(largest):
+    quaternion = np.array([0.2, -0.3, 0.1, -0.25])
+    quaternion[largest] = 0.9
+    quaternion /= np.linalg.norm(quaternion)
+
+    assert quaternion_from_rotation(rotation_from_quaternion(quaternion)) == pytest.approx(quaternion)
+    assert quaternion_from_rotation(rotation_from_quaternion(-quaternion)) == pytest.approx(quaternion)
+
+
+def test_a_placement_is_its_translation_and_its_rotation():
+    placement = FramePlacement(10.0, -20.0, 30.0, 0.1, -0.2, 0.3)
+
+    rotation, translation = placement_rotation(placement), placement_translation(placement)
+    again = placement_of(rotation, translation)
+
+    assert rotation == pytest.approx(Rotation.from_euler("XYZ", [0.1, -0.2, 0.3]).as_matrix())
+    assert translation.tolist() == [10.0, -20.0, 30.0]
+    assert vars_of(again) == pytest.approx(vars_of(placement))
+    pose = poses_of(rotation[None], translation[None])[0]
+    assert pose @ [0.0, 0.0, 0.0, 1.0] == pytest.approx([10.0, -20.0, 30.0, 1.0])
+    assert pose[:3, :3].tolist() == rotation.tolist()
+
+
+def vars_of(placement):
+    return [getattr(placement, name) for name in ("x_mm", "y_mm", "z_mm", "rx_rad", "ry_rad", "rz_rad")]
+
+
+def test_each_of_three_angles_turns_a_frame_about_its_axis():
+    angles, step = np.array([[0.3, -0.7, 1.1], [-2.0, 0.4, 0.0]]), 1e-6
+
+    rotation, axes = turned_axes(angles)
+
+    assert rotation == pytest.approx(np.stack([rotation_xyz(*one) for one in angles]))
+    for k, axis in enumerate(axes):
+        ahead, _ = turned_axes(angles + step * np.eye(3)[k])
+        turned = vector_from_rotation(ahead @ np.swapaxes(rotation, 1, 2)) / step
+        assert axis == pytest.approx(turned, abs=1e-8)
 
 
 def test_cross_products_agree_with_numpy():

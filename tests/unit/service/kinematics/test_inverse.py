@@ -15,9 +15,11 @@ from truepose.kinematics.inverse import (
     all_branches,
     branch_of,
     brought_within,
+    check_branches,
     has_closed_form,
     one_branch,
 )
+from truepose.kinematics.inverse_parts import within_reach
 
 # Doubles carry 16 digits of some 1000 mm through a dozen products; near singularities joints lose half.
 POSE = 1e-9
@@ -276,3 +278,25 @@ def test_one_branch_is_that_of_all_of_them(name):
     alone = one_branch(robot, pose, branch)
 
     assert alone == pytest.approx(all_branches(robot, pose, reach_out=True)[np.arange(80), branch])
+
+
+@pytest.mark.parametrize("number", [-1, 8])
+def test_numbers_of_branches_that_no_arm_has_are_refused(number):
+    robot = load_robot(ARMS[0])
+
+    check_branches(robot, np.arange(8))
+    with pytest.raises(ConfigurationError, match=f"Branch {number} is unknown: .* from 0 to 7"):
+        check_branches(robot, np.array([0, number]))
+
+
+def test_an_arm_without_numbered_branches_takes_no_number_and_an_empty_list():
+    check_branches(SEVEN_AXES, np.array([], dtype=int))
+    with pytest.raises(ConfigurationError):
+        check_branches(SEVEN_AXES, np.array([0]))
+
+
+def test_only_poses_out_of_reach_are_brought_to_an_arm_five_degrees_from_straight():
+    assert within_reach(np.array([-0.999, 0.0, 0.5])).tolist() == [-0.999, 0.0, 0.5]
+    assert within_reach(np.array([-1.2, 1.0, 3.0])) == pytest.approx(
+        np.cos(np.radians(5)) * np.array([-1, 1, 1])
+    )
