@@ -13,8 +13,8 @@ from truepose.domain.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.identification import judge
 from truepose.kinematics.chain import nominal_chain
-from truepose.validation.uncertainty import deciding_reading, known
-from truepose.validation.validate import decide, validate
+from truepose.validation.uncertainty import Figure, deciding_reading, known
+from truepose.validation.validate import decide, decide_figures, validate
 
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
 _MODEL = model_of(IRB_120, base=FramePlacement(), nests=_CENTRES, nominal_nests=_CENTRES)
@@ -138,3 +138,22 @@ def test_a_covariance_that_few_digits_left_below_zero_leaves_a_guard_band():
     inputs = replace(known(_MODEL, judged), placement=-1e-6 * np.eye(6))
 
     assert decide(judged, inputs, 0.3, "guard band").verdict == "conforms"
+
+
+@pytest.mark.parametrize(
+    ("limit_mm", "rule", "verdict"),
+    [
+        (0.35, "guard band", "conforms"),
+        (0.33, "guard band", "cannot be decided"),
+        (0.26, "guard band", "does not conform"),
+        (0.31, "simple", "conforms"),
+        (0.29, "simple", "does not conform"),
+    ],
+)
+def test_of_several_figures_the_one_that_comes_nearest_to_the_limit_decides(limit_mm, rule, verdict):
+    figures = [Figure(0.1, 0.01), Figure(-0.3, 0.02)]
+
+    found = decide_figures(figures, limit_mm, rule)
+
+    assert (found.verdict, found.rule) == (verdict, rule)
+    assert found.error_mm == pytest.approx(0.3)
