@@ -10,9 +10,7 @@ from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.identification.proved import SCATTER_MM, model, visited
 from truepose.correction.proof import proof_of
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.robot import JointRow
 from truepose.exchange.results.corrections import proof_document
-from truepose.identification.model.validity import require_same_robot
 
 
 def test_a_model_that_is_the_robot_is_proved_and_keeps_its_promise():
@@ -118,19 +116,6 @@ def test_of_several_readings_of_one_stop_none_wins_silently():
 def test_readings_of_another_plan_are_refused():
     with pytest.raises(ConfigurationError, match="no proof of this model"):
         proof_of(model(1), visited(model(2)), SCATTER_MM)
-
-
-@pytest.mark.parametrize(
-    "row",
-    [JointRow(0.0, 271.0, 0.0, 0.0), replace(IRB_120.joints[2], beta_rad=1e-3)],
-    ids=["length", "tilt"],
-)
-def test_a_model_of_another_nominal_table_is_refused_with_its_row(row):
-    rows = (*IRB_120.joints[:2], row, *IRB_120.joints[3:])
-
-    require_same_robot(model(), IRB_120)
-    with pytest.raises(ConfigurationError, match="Row 3"):
-        require_same_robot(model(), replace(IRB_120, joints=rows))
 
 
 def test_readings_that_lie_exactly_on_their_targets_have_a_gain_that_is_a_number():

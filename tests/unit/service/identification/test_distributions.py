@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from truepose.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded
+from truepose.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded, holm
 
 DEGREES = st.floats(0.5, 3000.0)
 SQUARES = st.floats(0.0, 1e4)
@@ -69,3 +69,16 @@ def test_everything_exceeds_nothing():
 
 def test_what_is_no_number_has_no_chance():
     assert math.isnan(chi2_exceeded(math.nan, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("alone", "corrected"),
+    [
+        ([], []),
+        ([0.01], [0.01]),
+        ([0.01, None, 0.04, 0.03], [0.03, None, 0.06, 0.06]),
+        ([0.9, 0.2, 0.5], [1.0, 0.6, 1.0]),
+    ],
+)
+def test_of_several_tests_each_counts_as_the_smallest_of_those_not_yet_refused(alone, corrected):
+    assert holm(alone) == pytest.approx(corrected)

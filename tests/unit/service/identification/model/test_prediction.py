@@ -10,6 +10,9 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification import judge, predict
+from truepose.identification.model.estimates import structure_of, values_of
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.prediction import placed_variance, turned_variance
 from truepose.kinematics.chain import nominal_chain
 
 JOINTS = configurations(5)
@@ -123,3 +126,34 @@ def test_no_rows_give_no_predictions():
         position, uncertainty = predict(known, empty, np.zeros(0, dtype=np.int64))
 
         assert position.shape == (0, 3) and uncertainty.shape == (0,)
+
+
+def state_of(told):
+    return evaluate(structure_of(told), values_of(told), Targets(stops(), ONES))
+
+
+def test_where_a_nest_is_is_as_uncertain_as_where_it_is_seen():
+    told = model(repeatability_mm=0.03, discrepancy_mm=0.04)
+    _, seen = predict(told, stops(), ONES)
+
+    assert placed_variance(told, state_of(told)) == pytest.approx(seen**2)
+    assert seen**2 == pytest.approx(0.01 / 3.0 + 0.03**2 + 0.04**2)
+
+
+def test_the_scale_of_the_instrument_moves_what_is_seen_and_no_nest():
+    scale = Parameter("scale", "instrument_scale", 0.0, "1", 1e-4, 1e-3)
+    told = model(effects=("instrument_scale",), parameters=(scale,), covariance=np.array([[1e-8]]))
+
+    _, seen = predict(told, stops(), ONES)
+
+    assert placed_variance(told, state_of(told)) == pytest.approx(np.zeros(5), abs=1e-20)
+    assert (seen > 0.01).all()
+
+
+@pytest.mark.parametrize(("name", "turned"), [("theta_4", 1e-6 / 3.0), ("alpha_4", 1e-6 / 3.0), ("d_4", 0.0)])
+def test_the_last_frame_turns_with_angles_and_no_lengths(name, turned):
+    told = model(
+        parameters=(Parameter(name, "geometry", 0.0, "rad", 1e-3, 1.0),), covariance=np.array([[1e-6]])
+    )
+
+    assert turned_variance(told, state_of(told)) == pytest.approx(np.full(5, turned))

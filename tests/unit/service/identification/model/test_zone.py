@@ -1,11 +1,16 @@
 """The zone that was measured, and what is outside of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.proved import model
 from tests.helpers.identification.synthetic import configurations
-from truepose.identification.model.validity import measured_zone, outside
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRow
+from truepose.identification.model.validity import measured_zone, outside, require_same_robot
 from truepose.kinematics.chain import nominal_chain
 
 JOINTS = configurations(60)
@@ -39,3 +44,16 @@ def test_the_distance_is_that_from_the_farthest_place_along_a_direction():
 
     here, there = (nominal_chain(IRB_120, q).end_origin[0] for q in (low, turned))
     assert distance == pytest.approx([np.linalg.norm(there - here)])
+
+
+@pytest.mark.parametrize(
+    "row",
+    [JointRow(0.0, 271.0, 0.0, 0.0), replace(IRB_120.joints[2], beta_rad=1e-3)],
+    ids=["length", "tilt"],
+)
+def test_a_model_of_another_nominal_table_is_refused_with_its_row(row):
+    rows = (*IRB_120.joints[:2], row, *IRB_120.joints[3:])
+
+    require_same_robot(model(), IRB_120)
+    with pytest.raises(ConfigurationError, match="Row 3"):
+        require_same_robot(model(), replace(IRB_120, joints=rows))

@@ -15,6 +15,7 @@ from tests.helpers.identification.synthetic import (
 )
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification import identify, predict
+from truepose.identification.verdict.relative_accuracy import rigid_motions
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.validation.validate import validate
 
@@ -71,3 +72,15 @@ def test_without_held_out_readings_each_counts_against_a_model_that_never_saw_it
 
 def test_lengths_have_no_place_to_align():
     assert identify(leg_campaign(), ["tool", "geometry"]).relative is None
+
+
+def test_rigid_motions_are_shifts_and_turns_about_the_middle_of_one_size():
+    places = np.array([[10.0, 0.0, 0.0], [30.0, 0.0, 0.0], [20.0, 40.0, 0.0], [20.0, -40.0, 0.0]])
+
+    motions = rigid_motions(places).reshape(4, 3, 6)
+
+    assert motions[:, :, :3] == pytest.approx(np.tile(np.eye(3), (4, 1, 1)))
+    about_z = [[0.0, -0.25, 0.0], [0.0, 0.25, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    assert motions[:, :, 5] == pytest.approx(np.array(about_z))
+    assert motions[2, :, 3:5] == pytest.approx(np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]]))
+    assert rigid_motions(places[:1]) == pytest.approx(np.eye(3, 6))
