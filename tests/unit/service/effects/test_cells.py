@@ -6,10 +6,21 @@ from typing import get_args
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.domain.diagnosis import Shape
+from truepose.domain.diagnosis import Cause, Shape
 from truepose.effects.causes import Candidate
 from truepose.effects.registry import CAUSES
-from truepose.effects.signatures import alike, amplitude_of, named_signature, signature_of
+from truepose.effects.signatures import (
+    alike,
+    amplitude_of,
+    curve_kind,
+    has_trade_name,
+    named_signature,
+    of_instrument,
+    of_legs,
+    place_of,
+    plural_of,
+    signature_of,
+)
 
 WHERE = re.compile(
     r"joint \d+|joints|link \d+|links|flange|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
@@ -76,3 +87,30 @@ def test_what_another_version_named_is_a_cell_without_words():
 def test_cells_are_alike_by_place_variable_or_kin(one, other, similar):
     assert alike(named_signature(*one), named_signature(*other)) is similar
     assert alike(named_signature(*other), named_signature(*one)) is similar
+
+
+@pytest.mark.parametrize(
+    ("effect", "subject", "place", "curve", "several"),
+    [
+        ("backlash", "joint 3", ("joint 3", "direction"), "joint", "joints"),
+        ("base_drift", "", ("base", "time"), "shift", ""),
+        ("joint_gain", "joint 2", ("joint 2", "angle of joint 2"), "joint", ""),
+        ("link_mass", "link 2", ("link 2", "load"), "agreement", "links"),
+        ("nest_offset", "nest 1", ("nest 1", "constant"), "level", ""),
+        ("unnamed", "link 2, time, wave", ("link 2", "time"), "agreement", ""),
+        ("joint_coupling", "joint 5", None, "joint", ""),
+        ("gone since", "joint 5", None, "agreement", ""),
+    ],
+)
+def test_a_cause_is_placed_by_its_name_where_that_says_it(effect, subject, place, curve, several):
+    assert place_of(Cause(effect, subject)) == place
+    assert curve_kind(effect) == curve
+    assert plural_of(effect) == several
+    assert has_trade_name(effect) is (effect != "unnamed")
+
+
+def test_what_lies_in_the_instrument_and_what_only_legs_show_is_told_by_the_signature():
+    assert {name for name in CAUSES if of_instrument(name)} == {"instrument_drift", "instrument_scale"}
+    assert of_legs(named_signature("ballbar_zero", ""))
+    assert of_legs(named_signature("fixture_shift", "placement 2"))
+    assert not of_legs(named_signature("base_drift", ""))

@@ -5,7 +5,8 @@ import ast
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from truepose.effects.registry import CAUSES
+from truepose.domain.errors import ConfigurationError
+from truepose.effects.registry import CAUSES, EFFECTS, chosen_effects, compliant_effects, unusable_causes
 
 _ROOMS = ("kinematics", "identification", "diagnosis", "fleet", "planning", "validation", "correction")
 _OWN_LIST = "thesis_procedure.py"  # a procedure is the effects that its author chose
@@ -25,3 +26,15 @@ def test_no_room_of_the_numerics_names_a_cause(room):
 
     assert texts
     assert not named
+
+
+def test_effects_are_chosen_by_name_once_each():
+    assert chosen_effects(["base", "tool"]) == ("base", "tool")
+    assert chosen_effects([]) == ()
+    with pytest.raises(ConfigurationError, match="'tool' is named twice"):
+        chosen_effects(["tool", "base", "tool"])
+
+
+def test_joints_yield_by_the_effects_that_are_springs():
+    assert compliant_effects() == {name: EFFECTS[name] for name in ("compliance", "compliance_nonlinear")}
+    assert unusable_causes() == ()
