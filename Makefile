@@ -11,7 +11,7 @@ EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test thorough unit smoke attack installed check docs reference bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report behaviour interface-accepted live-latency nightly clean
+.PHONY: setup demo test thorough unit smoke attack installed check docs reference bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report behaviour interface-accepted live-latency mutants nightly clean
 
 setup: $(VENV)/.installed
 
@@ -145,6 +145,10 @@ interface-accepted: setup
 
 live-latency: setup
 	$(BIN)/python -m tests.studies.interruptions.live_latency
+
+# Four hundred errors that somebody could make, each before the unit tests of its room: some hours.
+mutants: setup
+	$(BIN)/python -m tests.studies.mutants --out out/mutants
 
 # A night is found again by its commit.
 nightly: setup
