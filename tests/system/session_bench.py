@@ -16,7 +16,9 @@ from tests.unit.service.sessions.tracker.fakes import ListLedger
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import simulated_cell
+from truepose.planning.workspace.bodies import bodies_of
 from truepose.planning.workspace.space import WorkSpace
+from truepose.sessions.engine.ways import look_in
 from truepose.sessions.tracker.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.abb_rws.driver import PLUGIN as RWS
@@ -67,6 +69,7 @@ class Bench:
             base=described.base_nominal,
             nests=described.nests,
             fixed_nests=described.fixed_nests,
+            look_at_ways=look_in(bodies_of(described)),
             tracker_position_mm=described.tracker_position_mm,
             joint_limits=described.robot.joint_limits,
         )

@@ -57,6 +57,7 @@ _CODES: Final = {
     "UnknownDeviceError": "TP-2019",
     "CertificateError": "TP-2020",
     "SomebodyElseActsError": "TP-2021",
+    "WayNotClearError": "TP-2022",
     "driver ConnectFailedError": "TP-3001",
     "driver ConnectionLostError": "TP-3002",
     "driver NoReplyError": "TP-3003",

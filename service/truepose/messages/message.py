@@ -35,10 +35,10 @@ def together(*texts: Text) -> Text:
     return message("sentences", sentences=told)
 
 
-def is_said_in(said: Message, text: Text) -> bool:
+def is_said_in(said: Text, text: Text) -> bool:
     """Whether a message is a text, or one of those that were put `together` in it."""
     match text:
-        case Message("sentences", ((_, tuple(parts)),)):
+        case Message("sentences", ((_, tuple(parts)),)) if text != said:
             return any(is_said_in(said, part) for part in parts if isinstance(part, Message | str))
     return text == said
 

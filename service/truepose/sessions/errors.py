@@ -9,6 +9,7 @@ SessionError
 ├── ReasonMissingError      a skip needs its reason, and so does a word that no signal bears out
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
+│   ├── WayNotClearError    nobody planned the way, and something would touch on it
 │   └── ForeignRobotError   another robot answers than the one that is expected
 ├── ReadingRejectedError    an instrument answered, and the answer cannot be right
 ├── ForeignInstrumentError  another instrument answers; a person accepts it, or puts the right one back
@@ -62,6 +63,10 @@ class PlanRefusedError(SessionError):
 
 class MotionForbiddenError(SessionError):
     """An interlock forbids a motion."""
+
+
+class WayNotClearError(MotionForbiddenError):
+    """Nobody planned the way, and something would touch on it."""
 
 
 class ForeignRobotError(MotionForbiddenError):

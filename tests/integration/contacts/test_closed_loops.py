@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.unit.service.sessions.stand_ins import nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import ListLedger
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
@@ -96,7 +97,7 @@ async def run(scenario, plan, seed=2):
     )
     robot = OpenAbbRobot(link(robot_endpoint(cell, MotionProgram(cell))), clock)
     ledger = ListLedger()
-    runner = ContactRunner(plan, ContactCell(boxes, robot, clock, LR_MATE.robot), ledger)
+    runner = ContactRunner(plan, ContactCell(boxes, robot, clock, LR_MATE.robot, nothing_in_the_way), ledger)
     state = await PatientOperator(30, look_s=0.01).attend_from_the_start(runner)
     for device in (robot, clock, *(box.gauge for box in boxes)):
         await device.close()

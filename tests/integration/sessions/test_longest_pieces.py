@@ -10,6 +10,7 @@ import pytest
 
 from tests.contract.benches import Bench, registry
 from tests.unit.service.sessions.contacts.fakes import CELL
+from tests.unit.service.sessions.stand_ins import nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120, FakeClock
 from truepose.domain.cell import Camera, DeviceEntry
 from truepose.domain.robot import FramePlacement, JointRange
@@ -20,6 +21,7 @@ from truepose.sessions.contact.service import ContactSessions
 from truepose.sessions.devices import DeviceRegistry, MountedDevice
 from truepose.sessions.engine.arm import Arm, Permission
 from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.service import TrackerSessions
 from truepose.storage.records import SessionSetup
@@ -121,6 +123,7 @@ async def moved(robot, driver, speed):
         WIDE,
         0.00035,
         lambda now_s: allowed,
+        KnownWays(nothing_in_the_way),
         wall_s=lambda: clock.time_s,
     )
     await arm.set_limits(speed)

@@ -34,7 +34,9 @@ from truepose.domain.session import (
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify
 from truepose.planning.tracker.plans import plan_calibration, plan_validation
+from truepose.planning.workspace.bodies import bodies_of
 from truepose.planning.workspace.space import WorkSpace, space_of_cell
+from truepose.sessions.engine.ways import look_in
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.web.context import Endpoint
@@ -148,6 +150,7 @@ def _session_cell(cell: Cell, tracker: PointTracker, robot: RobotController, clo
         base=cell.base_nominal,
         nests=cell.nests,
         fixed_nests=cell.fixed_nests,
+        look_at_ways=look_in(bodies_of(cell)),
         tracker_position_mm=cell.tracker_position_mm,
         joint_limits=cell.limits.joints or cell.robot.joint_limits,
     )

@@ -11,6 +11,7 @@ from truepose.domain.robot import JointRange, Robot
 from truepose.messages.message import Text, message
 from truepose.sessions.ballbar.dry_run import check_pose
 from truepose.sessions.engine.ledger import Expected
+from truepose.sessions.engine.ways import LookAtWays
 from truepose_drivers.api import Ballbar, Clock, FullRobot, MotionLimits
 
 
@@ -22,6 +23,7 @@ class BallbarCell:
     robot_controller: FullRobot
     clock: Clock
     robot: Robot
+    look_at_ways: LookAtWays  # before the arm goes them; the base fixture is not among what is looked at
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
     speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
     expected: Expected = field(default_factory=Expected)  # which devices must answer

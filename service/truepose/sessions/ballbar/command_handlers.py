@@ -116,12 +116,13 @@ class CommandHandlers:
 
     async def _go_on(self, act: OperatorCommand, key: str) -> CommandOutcome:
         self._require_may_go_on()
+        asked = self._session.now.reason
         number = await self._session.logbook.enter(
             SessionState.RUNNING, message(key, person=tidy_name(act.person)), act
         )
         # Only once the line is on disk: a refused confirmation must not take back a halt.
         self._halts.forget()
-        self._session.motion.forget()
+        self._session.motion.go_on(asked)
         return CommandOutcome(message("session.done.goes_on"), number)
 
     def _require_may_go_on(self) -> None:

@@ -7,6 +7,8 @@ joints and limits, before every segment of the way.
 """
 
 import asyncio
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -20,11 +22,12 @@ from truepose.sessions.ballbar.dry_run import check_motion
 from truepose.sessions.ballbar.plan import steps
 from truepose.sessions.ballbar.readings import Readings
 from truepose.sessions.ballbar.situation import Situation
-from truepose.sessions.engine.arm import Arm, Joints, Permission, rest_of_way
+from truepose.sessions.engine.arm import Arm, Permission
 from truepose.sessions.engine.halts import Halts
 from truepose.sessions.engine.identity_check import sentence
 from truepose.sessions.engine.interlocks import binding_speed
 from truepose.sessions.engine.ledger import IdentityCheck, Logbook
+from truepose.sessions.engine.ways import Joints, KnownWays, rest_of_way
 from truepose.sessions.errors import ForeignRobotError, MotionForbiddenError
 from truepose_drivers.api import DeviceIdentity, JointReading
 
@@ -126,6 +129,7 @@ class InterlockedMotion:
         self._identities = identities
         self._rest = rest
         self._readings = readings
+        self._ways = KnownWays(cell.look_at_ways)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -133,14 +137,16 @@ class InterlockedMotion:
             limits,
             plan.joint_tolerance_rad,
             self._permission,
+            self._ways,
             plan.state_age_s,
             before_piece=readings.settle,  # a piece may last longer than a sample of the ballbar counts
         )
         self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
         self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
 
-    def forget(self) -> None:
-        """Forget where the arm was left: a person had it since, and confirmed."""
+    def go_on(self, question: Text) -> None:
+        """Forget where the arm was left: a person had it since, and confirmed what they were asked."""
+        self._ways.confirm(question)
         self._arm.forget()
         self._rest.forget()
         self.confirmed_s = None
@@ -176,6 +182,7 @@ class InterlockedMotion:
             await self._require_same_robot()
             # Asked of the arm and not of the ledger: it may have been halted anywhere on the way.
             left = await self._left_of((*step.via_rad, step.target_rad))
+            self._ways.take(self._planned())
             self._rest.forget()
             await self._require_ballbar_off()
             self._readings.evidence.watch_motion()
@@ -202,9 +209,19 @@ class InterlockedMotion:
             raise ForeignRobotError(sentence(found))
 
     async def _left_of(self, way: tuple[Joints, ...]) -> tuple[Joints, ...]:
-        """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
-        reading = await self._rest.look()
-        return rest_of_way(way, reading.joints_rad, self._plan.joint_tolerance_rad + reading.resolution_rad)
+        """Return what is left of a way, or of the way back to its begin from another that was halted."""
+        now, reading = self._logbook.situation, await self._rest.look()
+        allowed_rad = self._plan.joint_tolerance_rad + reading.resolution_rad
+        for course in (now.course, *((*reversed(halted), *way) for halted in now.halted)):
+            left = rest_of_way(course, reading.joints_rad, allowed_rad)
+            if len(left) < len(course):
+                return left
+        return way
+
+    def _planned(self) -> Iterator[tuple[Joints, Joints]]:
+        now = self._logbook.situation
+        for course in (now.course, *now.halted):
+            yield from pairwise(course)
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
         reading = await self._rest.look()

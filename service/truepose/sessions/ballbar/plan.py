@@ -316,6 +316,15 @@ class Ways:
         # Without the end itself, which is the target of the step.
         return tuple(passed[:-1])
 
+    def course(self, last_stop: str | None, to: str) -> tuple[Joints, ...]:
+        """Return the joints [rad] on the way from the stop of one motion to that of another, with both ends.
+
+        Without its begin where no planned way leads from there.
+        """
+        way = (*self.between(last_stop, to), *self._rests_at(to))
+        is_planned = not set(self._to_the_root(last_stop)).isdisjoint(self._to_the_root(to))
+        return (*self._rests_at(last_stop), *way) if last_stop is not None and is_planned else way
+
     def _to_the_root(self, stop: str | None) -> list[str]:
         found: list[str] = []
         while stop is not None and stop in self.moves and stop not in found:

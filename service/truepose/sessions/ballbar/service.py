@@ -15,6 +15,7 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
 from truepose.messages.message import message
+from truepose.planning.workspace.bodies import bodies_of
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
 from truepose.sessions.ballbar.dry_run import check_plan
 from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of, path_warnings_of_plan
@@ -26,6 +27,7 @@ from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
+from truepose.sessions.engine.ways import look_in
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.kind_service import SessionKindService
 from truepose.sessions.requests import RequestsUnderWay
@@ -232,6 +234,7 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
             robot_controller=WatchfulRobot(self.desk.rack.robot, cell.robot.joint_limits),
             clock=self.desk.rack.clock,
             robot=cell.robot,
+            look_at_ways=look_in(bodies_of(cell)),
             joint_limits=cell.limits.joints,
             speed_limits=speed,
             expected=self.desk.rack.expected(),

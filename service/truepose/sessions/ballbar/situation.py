@@ -26,7 +26,7 @@ from truepose.messages.message import Text, is_said_in, together
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.allowed_commands import acts_allowed
 from truepose.sessions.ballbar.dry_run import BallbarProgress, pace_s_per_reading, remaining_s
-from truepose.sessions.ballbar.plan import MAX_ATTEMPTS, Course, forecast_of, steps, ways
+from truepose.sessions.ballbar.plan import MAX_ATTEMPTS, Course, Joints, Ways, forecast_of, steps, ways
 from truepose.sessions.ballbar.state import READINGS, BallbarRecord, OpenSuspicion, Outcome
 from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.engine.identity_check import KnownDevice, sentence
@@ -59,6 +59,8 @@ class Situation:
     has_no_way: bool  # the present motion: the last pre-calibration found no clear way to its pose
     arm_at: str | None  # the step that brought the arm where it stands; None: not known
     last_stop: str | None  # the step that brought the arm to rest last, wherever it is now
+    course: tuple[Joints, ...]  # of the present motion, from there to its target
+    halted: tuple[tuple[Joints, ...], ...]  # courses from there on which the arm was sent since, newest first
     arrival: ArrivalTaken | None
     back_to: str | None  # the step that Back reopens; None: there is no way back
     acts: frozenset[CommandName]
@@ -136,7 +138,9 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> S
     agenda = tuple(steps(plan, kit, _course(record)))
     outcomes = {step.id: record.outcome(step.id) for step in agenda}
     index = _present_index(agenda, outcomes, record)
-    step = _present(plan, agenda, index, record)
+    known = ways(plan, agenda, record.stood_at)
+    step = _present(plan, agenda, index, record, known)
+    moves = step is not None and step.kind is StepKind.MOVE
     back_to = _back_to(agenda, index, record)
     return Situation(
         state=record.state,
@@ -159,6 +163,10 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> S
         has_no_way=step is not None and _has_no_way(step, record),
         arm_at=record.arm_at,
         last_stop=record.last_stop,
+        course=known.course(record.last_stop, step.id) if step is not None and moves else (),
+        halted=tuple(
+            known.course(record.last_stop, begun) for begun in reversed(record.begun) if begun in known.moves
+        ),
         arrival=record.arrival,
         back_to=back_to,
         acts=acts_allowed(
@@ -194,7 +202,7 @@ def _present_index(
 
 
 def _present(
-    plan: BallbarPlan, agenda: tuple[BallbarStep, ...], index: int, record: BallbarRecord
+    plan: BallbarPlan, agenda: tuple[BallbarStep, ...], index: int, record: BallbarRecord, known: Ways
 ) -> BallbarStep | None:
     if index == len(agenda):
         return None
@@ -216,7 +224,7 @@ def _present(
         return step
     # From where the arm came to rest last, by ways that were looked at; nobody has looked whether a direct
     # way is clear.
-    return replace(step, via_rad=ways(plan, agenda, record.stood_at).between(record.last_stop, step.id))
+    return replace(step, via_rad=known.between(record.last_stop, step.id))
 
 
 def _lacks_zero(plan: BallbarPlan, step: BallbarStep, record: BallbarRecord) -> bool:

@@ -69,6 +69,7 @@ class BallbarRecord(Record):
     ball_fitted: bool = False
     arm_at: str | None = None  # the motion that brought the arm where it stands; None: not known
     last_stop: str | None = None  # the motion that ended last, wherever the arm is now
+    begun: tuple[str, ...] = ()  # the motions that a person has let begin since then
     arrival: ArrivalTaken | None = None
     shown: str | None = None  # the step whose prompt was shown since anything else happened
     confirmed: str | None = None  # the motion that a person has just allowed
@@ -206,6 +207,7 @@ class BallbarRecord(Record):
         # From here on nobody knows where the arm is, until its arrival is on record.
         if entry.kind is EntryKind.CONFIRMED and kind is StepKind.MOVE:
             self.confirmed = step_id
+            self.begun = (*self.begun, step_id)
             self.arm_at = self.arrival = None
             return
         self.times.end_step(kind)
@@ -229,7 +231,7 @@ class BallbarRecord(Record):
                 self.ball_fitted = False
             case StepKind.MOVE:
                 self.arm_at = self.last_stop = entry.step_id
-                self.arrival = entry.arrival
+                self.arrival, self.begun = entry.arrival, ()
             case StepKind.INITIALISE if entry.length is not None:
                 self.initialisations = entry.length.initialisation
                 self.zeros[step_ids.group_with_zero(entry.step_id)] = entry.length

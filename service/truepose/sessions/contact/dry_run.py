@@ -1,6 +1,7 @@
 """Whether a plan of closed loops can be done, before anything moves; and how long it takes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, Joints
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.messages.message import message
+from truepose.planning.workspace.path_clearance import Ways
 from truepose.sessions.contact.state import Visit, steps
 from truepose.sessions.engine.interlocks import check_numbers, joint_outside
 from truepose.sessions.engine.nominal_arm import nominal_chain
@@ -64,6 +66,20 @@ def _check_last_steps(plan: ContactPlan, stop: ContactStop, robot: Robot, base: 
                 half_mm=0.5 * plan.stroke_mm,
             )
         )
+
+
+def ways_to(stops: Sequence[ContactStop]) -> Ways:
+    """Return the motions of a session to its stops, from the first on; the ways back are the same ones."""
+    names, starts, ends = [], [], []
+    for before, stop in zip((None, *stops), stops, strict=False):
+        # From the place at which the way before began, and not from its stop: the arm goes back there first.
+        passed = (*(() if before is None else before.way_rad[:1]), *stop.way_rad)
+        for start, end in pairwise(passed):
+            names.append(message("room.way.to_configuration", config=stop.config))
+            starts.append(start)
+            ends.append(end)
+    joints = len(stops[0].joints_rad)
+    return Ways(tuple(names), np.array(starts).reshape(-1, joints), np.array(ends).reshape(-1, joints))
 
 
 def minutes_of(plan: ContactPlan, robot: Robot, base: FramePlacement) -> float:

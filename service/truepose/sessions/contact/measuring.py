@@ -16,12 +16,13 @@ from truepose.domain.session import Vector
 from truepose.kinematics.frames import placement_rotation
 from truepose.kinematics.inverse import all_branches
 from truepose.messages.message import Message, message
-from truepose.sessions.engine.arm import Arm, rest_of_way
+from truepose.sessions.engine.arm import Arm
 from truepose.sessions.engine.identity_check import reported_serial_number, same_number
 from truepose.sessions.engine.interlocks import binding_speed, joint_outside, motion_limits, slowest
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.engine.runner import is_interruption
-from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError
+from truepose.sessions.engine.ways import LookAtWays, rest_of_way
+from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError, WayNotClearError
 from truepose_drivers.api import BallbarReading, Clock, FullGauge, FullRobot, MotionLimits
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError
 
@@ -43,6 +44,7 @@ class ContactCell:
     robot_controller: FullRobot
     clock: Clock
     robot: Robot
+    look_at_ways: LookAtWays  # before the arm goes them
     base: FramePlacement = field(default_factory=FramePlacement)  # nominal, in the world
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
     speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
@@ -299,7 +301,10 @@ class ContactMeasurement:
         outside = joint_outside(there_rad, motion_limits(self._cell.robot, self._cell.joint_limits))
         if outside is not None:
             raise ReadingRejectedError(message("session.zero.outside", outside=outside))
-        await self._arm.move(there_rad)
+        try:
+            await self._arm.move(there_rad)
+        except WayNotClearError as error:
+            raise ReadingRejectedError(error.text) from error
         return there_rad
 
     async def _read_at(self, stop: ContactStop, joints_rad: Joints) -> ContactTaken:

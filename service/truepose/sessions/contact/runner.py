@@ -13,8 +13,8 @@ from truepose.domain.errors import text_of
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
-from truepose.messages.message import message, together
-from truepose.sessions.contact.dry_run import check_plan
+from truepose.messages.message import Text, message, together
+from truepose.sessions.contact.dry_run import check_plan, ways_to
 from truepose.sessions.contact.measuring import ContactCell, ContactMeasurement, Gauges
 from truepose.sessions.contact.state import (
     OPEN,
@@ -36,6 +36,7 @@ from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.engine.runner import is_interruption
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.engine.unattended import UnattendedRunner
+from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.errors import (
     AttentionNeededError,
     ForeignRobotError,
@@ -70,6 +71,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
         super().__init__(logbook, halts, cell.robot_controller)
         self._speed = binding_speed(plan, cell.speed_limits)
+        self._ways = KnownWays(cell.look_at_ways)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -77,6 +79,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             limits,
             plan.joint_tolerance_rad,
             self._permission,
+            self._ways,
         )
         self._gauges = Gauges(cell.gauges, cell.clock, plan)
         self._visiting = ContactMeasurement(plan, cell, self._arm, self._gauges)
@@ -104,10 +107,10 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             return await self._halts.halt(act)
         if act.name is CommandName.START:
             return self._asked_now()
-        number = await self._logbook.enter(
-            SessionState.RUNNING, message("session.went_on", person=tidy_name(act.person)), act
-        )
+        name, asked = tidy_name(act.person), self._record.reason
+        number = await self._logbook.enter(SessionState.RUNNING, message("session.went_on", person=name), act)
         self._halts.forget()
+        self._ways.confirm(asked)
         self._arm.forget()
         self._visiting.forget()
         return CommandOutcome(message("session.done.confirmed"), number)
@@ -125,17 +128,26 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         elif self._logbook.restarted:
             step = self.situation.step
             question = step if isinstance(step, Question) else Question.CLEAR
-            text = together(RESTARTED, open_prompt(question, self._plan))
+            text = together(RESTARTED, await self._prompt(question))
             await self._logbook.keep(
                 lambda: self._logbook.open(step_id=question, text=text, progress=self.progress)
             )
 
+    async def _prompt(self, question: Question) -> Text:
+        """Return what is asked; where the arm goes next, with what to watch on its ways."""
+        asked, left = open_prompt(question, self._plan), self.situation.left
+        if question is not Question.CLEAR or not left:
+            return asked
+        return together(await self._ways.what_to_watch(ways_to(left)), asked)
+
     async def _ask(self, question: Question) -> None:
+        text = await self._prompt(question)
+
         async def put() -> None:
             # A question to a person who has just asked for a halt would take its place.
             if not self._ended and self._halts.wish is None:
                 said: dict[str, Any] = {"entered": SessionState.AWAITING_CONFIRMATION}
-                said |= {"text": open_prompt(question, self._plan), "progress": self.progress}
+                said |= {"text": text, "progress": self.progress}
                 await self._logbook.append(EntryKind.CONTROL, question, **said)
 
         await self._logbook.keep(put)

@@ -2,9 +2,6 @@
 
 import asyncio
 from collections.abc import Sequence
-from itertools import pairwise
-
-import numpy as np
 
 from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
 from truepose.domain.campaign import Campaign
@@ -16,12 +13,13 @@ from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import PlanningError
 from truepose.planning.workspace.bodies import bodies_of
-from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
-from truepose.sessions.contact.dry_run import check_plan
+from truepose.planning.workspace.path_clearance import path_obstruction, path_warnings
+from truepose.sessions.contact.dry_run import check_plan, ways_to
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
+from truepose.sessions.engine.ways import look_in
 from truepose.sessions.errors import MissingDeviceError, PlanRefusedError
 from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.storage.ledger.entries import SessionLedger
@@ -99,6 +97,7 @@ class ContactSessions(UnattendedSessionService[ContactRunner]):
             robot_controller=WatchfulRobot(rack.robot, cell.robot.joint_limits),
             clock=rack.clock,
             robot=cell.robot,
+            look_at_ways=look_in(bodies_of(cell)),
             base=cell.base_nominal,
             joint_limits=cell.limits.joints,
             speed_limits=speed,
@@ -109,7 +108,7 @@ class ContactSessions(UnattendedSessionService[ContactRunner]):
 
 def _judged(cell: Cell, plan: ContactPlan) -> Text:
     check_plan(plan, cell.robot, cell.base_nominal, motion_limits(cell.robot, cell.limits.joints))
-    bodies, ways = bodies_of(cell), _ways(plan)
+    bodies, ways = bodies_of(cell), ways_to(plan.stops)
     blocked = path_obstruction(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
@@ -121,17 +120,3 @@ def _chosen(cell: Cell, wanted: ContactPlanRequest) -> ContactPlan:
         return plan_of(cell, wanted)
     except (PlanningError, ConfigurationError) as error:
         raise PlanRefusedError(error.text) from error
-
-
-def _ways(plan: ContactPlan) -> Ways:
-    """Return the motions of a plan from its first stop on; the ways back are the same ones."""
-    names, starts, ends = [], [], []
-    for before, stop in zip((None, *plan.stops), plan.stops, strict=False):
-        # From the place at which the way before began, and not from its stop: the arm goes back there first.
-        passed = (*(() if before is None else before.way_rad[:1]), *stop.way_rad)
-        for start, end in pairwise(passed):
-            names.append(message("room.way.to_configuration", config=stop.config))
-            starts.append(start)
-            ends.append(end)
-    joints = len(plan.stops[0].joints_rad)
-    return Ways(tuple(names), np.array(starts).reshape(-1, joints), np.array(ends).reshape(-1, joints))

@@ -8,9 +8,8 @@ so the arm takes the same way and comes to every stop from the same side.
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -26,6 +25,7 @@ from truepose.sessions.engine.interlocks import (
     motion_obstacle,
 )
 from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.engine.ways import Joints, KnownWays, apart, are_comparable
 from truepose.sessions.errors import MotionForbiddenError
 from truepose_drivers.api import Clock, FullRobot, JointReading, MotionLimits
 from truepose_drivers.errors import TargetRefusedError
@@ -33,8 +33,6 @@ from truepose_drivers.errors import TargetRefusedError
 _LOOKS: Final = 24  # along a way; between two of them the speeds hardly change
 _LONG_S: Final = 0.5  # of cell time, after which one can tell whether it costs wall time
 _SHARE_THAT_WAITS: Final = 0.5
-
-Joints = tuple[float, ...]
 
 
 class MotionSegments:
@@ -133,7 +131,7 @@ BeforePiece: TypeAlias = Callable[[], Awaitable[None]]  # lets what the permissi
 
 
 class Arm:
-    """Moves the robot where the session allows it; knows where the last motion ended, from which side."""
+    """Moves the robot where the session allows it, by known ways; knows where it ended, from which side."""
 
     def __init__(
         self,
@@ -143,6 +141,7 @@ class Arm:
         limits: tuple[JointRange, ...],
         tolerance_rad: float,
         ask_permission: AskPermission,
+        ways: KnownWays,
         max_state_age_s: float = MAX_STATE_AGE_S,
         wall_s: Callable[[], float] = time.monotonic,
         before_piece: BeforePiece | None = None,
@@ -156,6 +155,7 @@ class Arm:
         self._max_state_age_s = max_state_age_s
         self._segments = MotionSegments(robot, MotionLimits())  # the speed that drivers begin with
         self._pace = WallPace(wall_s)
+        self._ways = ways
         self._before_piece = before_piece
         self._left_at: tuple[float, ...] | None = None
         self._direction = (0,) * len(limits)
@@ -183,15 +183,16 @@ class Arm:
         """Ask where the joints are."""
         return await self._controller.read_joints()
 
-    async def move(self, target_rad: tuple[float, ...]) -> None:
+    async def move(self, target_rad: tuple[float, ...]) -> bool:
         """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors.
 
+        Returns whether the way there was none that the session knew, so that it was looked at now.
         What the controller cannot stop goes out in pieces; before each of them everything is asked again.
         """
         # After a lost link, a restart or a person's hand nobody knows whether a motion is still under way,
         # and one statement of the joints shows no motion.
-        if self._left_at is None:
-            await self._require_rest()
+        here = await self._at_rest() if self._left_at is None else None
+        is_new = await self._require_way(here, target_rad)
         reading = await self._read_in_time()
         share, pieces = self._speed_share, self._pieces_to(target_rad, reading)
         while (piece_rad := next(pieces)) != target_rad:
@@ -205,6 +206,17 @@ class Arm:
             if self._speed_share != share:
                 share, pieces = self._speed_share, self._pieces_to(target_rad, reading)
         await self._move_piece(target_rad, target_rad, reading)
+        return is_new
+
+    async def _require_way(self, here: JointReading | None, target_rad: Joints) -> bool:
+        """See that the way to a target was looked at, or look at it now; raises WayNotClearError."""
+        start_rad, allowed_rad = self._left_at, self._tolerance_rad
+        if here is not None:
+            start_rad, allowed_rad = here.joints_rad, allowed_rad + here.resolution_rad
+        # What cannot be looked at is refused by the interlocks.
+        if start_rad is None or not are_comparable(start_rad, target_rad):
+            return False
+        return await self._ways.require(start_rad, target_rad, allowed_rad)
 
     @property
     def _speed_share(self) -> float:
@@ -217,7 +229,7 @@ class Arm:
         start_rad = self._left_at or reading.joints_rad
         guard = self._controller.motion_guard
         longest_s = guard.longest_piece_s
-        known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
+        known = are_comparable(start_rad, target_rad)
         # What is not known is not cut but judged as it is: the interlocks below refuse a target with other
         # joints, or one that is no number.
         if longest_s is None or not known or not self._pace.waits:
@@ -260,14 +272,15 @@ class Arm:
                 message("session.joints.late", limit_s=self._max_state_age_s)
             ) from error
 
-    async def _require_rest(self) -> None:
+    async def _at_rest(self) -> JointReading:
         """Look twice where nobody knows how the arm came here: a lost motion may still be under way."""
         before = await self.read()
         await self._clock.sleep(_LOOK_TWICE_S)
         after = await self.read()
         # Not the opposite comparison: an angle that is no number is not at rest.
-        if not _apart(before.joints_rad, after.joints_rad) <= after.resolution_rad:
+        if not apart(before.joints_rad, after.joints_rad) <= after.resolution_rad:
             raise MotionForbiddenError(message("session.still_moving"))
+        return after
 
     def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:
         permission = self._ask_permission(now_s)
@@ -296,34 +309,3 @@ def _direction(
         earlier if abs(to - start) <= smallest_rad else (1 if to > start else -1)
         for start, to, earlier in zip(came_from, target, before, strict=True)
     )
-
-
-def rest_of_way(way: Sequence[Joints], here: Joints, allowed_rad: float) -> tuple[Joints, ...]:
-    """Return what is left of a way for an arm that stands somewhere on it, the end in any case.
-
-    Halted between two of its points, on the straight line of the joints, the arm goes on to the later one.
-    From a place beside the way, and before its first point, it is the whole way.
-    """
-    passed = [n for n, joints in enumerate(way) if _apart(here, joints) <= allowed_rad]
-    between = [n for n, (a, b) in enumerate(pairwise(way)) if _off_line(here, a, b) <= allowed_rad]
-    # The last one: a way that comes twice by one place is taken from where it is shorter.
-    last = max(passed or between, default=None)
-    return tuple(way if last is None else way[min(last + 1, len(way) - 1) :])
-
-
-def _apart(here: Joints, there: Joints) -> float:
-    """Return the largest difference of a joint [rad]; of arms that are not alike, infinity."""
-    return float(np.max(np.abs(np.subtract(here, there)))) if len(here) == len(there) else math.inf
-
-
-def _off_line(here: Joints, start: Joints, end: Joints) -> float:
-    """Return how far the joints are off the straight motion between two others [rad]; infinity for none.
-
-    max |here - start - s (end - start)| over the joints, with s the projection of `here` on that motion,
-    kept between 0 and 1.
-    """
-    way = np.subtract(end, start)
-    if len(here) != len(way) or not np.any(way):
-        return math.inf
-    share = float(np.clip(np.dot(np.subtract(here, start), way) / np.dot(way, way), 0.0, 1.0))
-    return float(np.max(np.abs(np.subtract(here, np.add(start, share * way)))))

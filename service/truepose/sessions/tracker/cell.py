@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from truepose.domain.cell import Camera, CertifiedLength
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import Vector
-from truepose.planning.workspace.bodies import CellBodies
 from truepose.sessions.engine.ledger import Expected
+from truepose.sessions.engine.ways import LookAtWays
 from truepose_drivers.api import Clock, FullPoseTracker, FullRobot, FullTracker, JointReading, MotionLimits
 
 
@@ -26,6 +26,7 @@ class SessionCell:
     base: FramePlacement  # nominal, in the world
     nests: tuple[Nest, ...]  # tool nests, all with a centre
     fixed_nests: tuple[FixedNest, ...]
+    look_at_ways: LookAtWays  # before the arm goes them
     tracker_position_mm: Vector | None = None  # nominal, in the world
     fixed_nests_seen_mm: tuple[Vector, ...] | None = None  # in the tracker's frame, roughly
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
@@ -35,7 +36,6 @@ class SessionCell:
     expected: Expected = field(default_factory=Expected)  # which devices must answer
     camera: Camera | None = None  # None: the tracker measures points
     first_pass: bool = False  # no session of this robot has finished yet
-    bodies: CellBodies | None = None  # by which ways are looked at beforehand; None: they are not
 
 
 @dataclass(frozen=True, slots=True)

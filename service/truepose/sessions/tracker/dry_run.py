@@ -12,10 +12,11 @@ from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, R
 from truepose.domain.session import PlaceOf, PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.messages.message import Text, message
-from truepose.planning.workspace.path_clearance import path_warnings, ways_between
+from truepose.planning.workspace.path_clearance import ways_between
 from truepose.planning.workspace.space import WorkSpace, widen_ranges
 from truepose.sessions.engine.interlocks import binding_speed, check_numbers, joint_outside
 from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
+from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.errors import PlanRefusedError
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.state import steps
@@ -245,20 +246,18 @@ _STATED_WITHIN_S: Final = 1.0  # of wall time; a question is not kept waiting fo
 
 
 async def obstructions_ahead(
-    cell: SessionCell, stops: Sequence[PlannedStop], approach_offset_rad: float | None
+    ways: KnownWays, robot: RobotController, stops: Sequence[PlannedStop], approach_offset_rad: float | None
 ) -> Text:
     """Return on which ways to `stops` something would touch, from where the arm stands where that is known.
 
-    Empty where all look clear, and where the cell does not say what there is to be looked at.
+    Empty where all look clear.
     """
-    bodies = cell.bodies
-    if bodies is None or not stops:
+    if not stops:
         return ""
     # The way from here is nobody's choice, and the arm may be moved by hand before somebody confirms: so it
     # is said and never refuses (decision 0019).
-    here_rad = await _stands_at(cell.robot_controller, len(stops[0].joints_rad))
-    ways = ways_between(stops, approach_offset_rad, here_rad)
-    return await asyncio.to_thread(path_warnings, bodies, ways)
+    here_rad = await _stands_at(robot, len(stops[0].joints_rad))
+    return await ways.what_to_watch(ways_between(stops, approach_offset_rad, here_rad))
 
 
 async def _stands_at(robot: RobotController, joints: int) -> tuple[float, ...] | None:

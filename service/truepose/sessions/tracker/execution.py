@@ -110,7 +110,8 @@ class Execution:
         robot = self._cell.robot_controller
         if robot.connected:  # a link that is down is for a person; the interlocks say so
             await self._identities.meet("robot", robot)
-        await self._arm.move(target_rad)
+        if await self._arm.move(target_rad):
+            await self._note(message("session.way.looked_at"))
 
     async def _keep_working(self, work: Work) -> None:
         """Go round until the stop is due; a round that was begun is ended: only its ways were looked at."""

@@ -4,6 +4,7 @@
   person last had the session go on, or several in a row have failed: then the instrument is suspect, and
   the session pauses.
 - A configuration to which the robot refuses to go is skipped, and a person confirms before the next motion.
+- Before a way that is none of the plan's, and on which something would touch, a person confirms.
 - A lost link and a robot that is not where it was left are the same thing to a session: nothing moves before
   a person confirms; then the devices are opened anew, the fixed nests are looked at, and the step that was
   interrupted begins again.
@@ -27,6 +28,7 @@ from truepose.sessions.errors import (
     MotionForbiddenError,
     ReadingRejectedError,
     SessionError,
+    WayNotClearError,
 )
 from truepose.sessions.tracker.state import TrackerSituation
 from truepose.sessions.tracker.steps import Step, StepKind
@@ -63,7 +65,9 @@ def lines_after(
     `moving`: the arm had been sent somewhere, and was not known to have arrived.
     """
     reason = text_of(error)
-    # First: among what it covers are errors that the cases below would take for a failed reading.
+    if isinstance(error, WayNotClearError):
+        return iter((_awaits(reason),))
+    # Then: among what it covers are errors that the cases below would take for a failed reading.
     if is_interruption(error) or isinstance(error, MotionForbiddenError):
         return _after_interruption(reason, step, now)
     match error:

@@ -25,6 +25,7 @@ from truepose.sessions.engine.prompts import CELL_CLEAR, require_person
 from truepose.sessions.engine.runner import Onlooker, is_interruption
 from truepose.sessions.engine.states import has_ended, words
 from truepose.sessions.engine.unattended import UnattendedRunner
+from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.errors import MotionForbiddenError, NotNowError, SessionError
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, first_pass, motion_limits, obstructions_ahead
@@ -73,6 +74,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         self._check(plan, logbook.situation)
         halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
         super().__init__(logbook, halts, cell.robot_controller)
+        self._ways = KnownWays(cell.look_at_ways)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -80,6 +82,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
             limits,
             plan.joint_tolerance_rad,
             self._permission,
+            self._ways,
         )
         self._identities = TrackerIdentityCheck(cell.expected, logbook)
         self._execution = Execution(plan, cell, self._arm, logbook, self._identities)
@@ -167,11 +170,12 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         if act.name is CommandName.START:
             return self._asked_now()
         self._identities.require_questioned(act.accepted_serial)
-        name = tidy_name(act.person)
+        name, asked = tidy_name(act.person), self._record.reason
         number = await self._logbook.enter(SessionState.RUNNING, message("session.went_on", person=name), act)
         self._identities.permit(act.accepted_serial, name)
         # Only once the line is on disk: a refused confirmation must not take back a halt.
         self._halts.forget()
+        self._ways.confirm(asked)
         # A person had the cell: where the arm stands now has been confirmed, and its last directions are
         # unknown.
         self._arm.forget()
@@ -198,7 +202,8 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
 
     async def _ask(self, what: Text, stops: Sequence[PlannedStop]) -> None:
         """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""
-        ahead = await obstructions_ahead(self._cell, stops, self._plan.approach_offset_rad)
+        robot, offset_rad = self._cell.robot_controller, self._plan.approach_offset_rad
+        ahead = await obstructions_ahead(self._ways, robot, stops, offset_rad)
         asked = together(what, ahead, CELL_CLEAR)
         await self._logbook.keep(lambda: self._put(asked, tuple(stop.config for stop in stops)))
         self._asked = True

@@ -14,6 +14,7 @@ from truepose.planning.workspace.path_clearance import Ways, path_obstruction, p
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
+from truepose.sessions.engine.ways import look_in
 from truepose.sessions.errors import NotNowError, PlanRefusedError
 from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.sessions.service import SessionService
@@ -164,8 +165,8 @@ class TrackerSessions(UnattendedSessionService[TrackerRunner]):
         # Only what is left: the arm does not go again to what was measured, whatever the floor is said to be
         # by now.
         left = situation(plan, len(cell.fixed_nests), ledger.earlier).left
-        if cell.bodies is not None:
-            await asyncio.to_thread(refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
+        bodies = bodies_of(self.desk.present.bound(setup.cell))
+        await asyncio.to_thread(refuse_below_floor, bodies, left, plan.approach_offset_rad)
         # On a thread: it goes through the whole plan first.
         return await asyncio.to_thread(self._make_runner, plan, cell, ledger, ledger.earlier)
 
@@ -183,6 +184,7 @@ class TrackerSessions(UnattendedSessionService[TrackerRunner]):
             base=cell.base_nominal,
             nests=cell.nests,
             fixed_nests=cell.fixed_nests,
+            look_at_ways=look_in(bodies_of(cell)),
             tracker_position_mm=cell.tracker_position_mm,
             fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
             joint_limits=cell.limits.joints or cell.robot.joint_limits,
@@ -192,7 +194,6 @@ class TrackerSessions(UnattendedSessionService[TrackerRunner]):
             attachment=setup.attachment,
             expected=rack.expected("tracker" if cell.camera is None else "pose_tracker"),
             camera=cell.camera,
-            bodies=bodies_of(cell),
         )
 
 

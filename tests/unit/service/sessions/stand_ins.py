@@ -1,8 +1,14 @@
-"""A robot's controller and a disk as every fake one is: the one answers, the other has room or has none."""
+"""A robot's controller, a disk and a cell as every fake one is: it answers, has room or none, is empty."""
 
 import asyncio
 
+from truepose.planning.workspace.path_clearance import Ways
 from truepose_drivers.api import DeviceIdentity, MotionGuard, MotionLimits
+
+
+async def nothing_in_the_way(ways: Ways) -> str:
+    """Look at ways of a cell in which nothing stands."""
+    return ""
 
 
 class Controller:

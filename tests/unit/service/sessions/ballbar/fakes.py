@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import count
 
 from tests.unit.service.sessions.ballbar.sessions import KIT, found, joints, make_pose
-from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk
+from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk, nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
@@ -299,7 +299,7 @@ class Bench:
         self.oracle = Oracle()
         self.suspect = Suspect(self.bar)
         self.keys = count()
-        self.cell = BallbarCell(self.bar, self.robot, self.clock, IRB120, LIMITS)
+        self.cell = BallbarCell(self.bar, self.robot, self.clock, IRB120, nothing_in_the_way, LIMITS)
         self.runner = self._runner()
         self.running: asyncio.Task[SessionState] | None = None
 

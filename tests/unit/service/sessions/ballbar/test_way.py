@@ -65,6 +65,15 @@ def test_where_the_arm_stands_already_there_is_no_way():
     assert between(pose(2), pose(2)) == ()
 
 
+def test_a_course_has_both_ends_where_a_planned_way_joins_them():
+    known = ways(PLAN, tuple(steps(PLAN, KIT)), {})
+
+    assert known.course(pose(1), pose(3)) == (joints(1), joints(2.5), joints(2), joints(3.5), joints(3))
+    assert known.course(pose(2), pose(2)) == (joints(2), joints(2))
+    assert known.course("no such stop", pose(2)) == (joints(2.5), joints(2))
+    assert known.course(None, pose(2)) == (joints(2.5), joints(2))
+
+
 def test_a_new_placement_is_reached_from_the_pose_that_was_planned_last_wherever_the_arm_went_since():
     # pose 1 was skipped and is tried again after pose 3, which was planned last
     story = Story(make_plan((1, 2, 3), (4,), precalibrate_after=9)).until(pose(1))

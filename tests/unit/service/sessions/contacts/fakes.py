@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tests.unit.service.sessions.stand_ins import nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120, NESTS, FakeClock, FakeRobot, ListLedger
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan, Target, TargetKind
@@ -84,7 +85,8 @@ class Bench:
 
     def cell(self, **changes) -> ContactCell:
         boxes = (GaugeBox("probe", self.probe, changes.pop("gauge_serial", "")),)
-        return ContactCell(boxes, self.robot, self.clock, IRB120, **changes)
+        look = changes.pop("look_at_ways", nothing_in_the_way)
+        return ContactCell(boxes, self.robot, self.clock, IRB120, look, **changes)
 
     @property
     def read(self):

@@ -11,6 +11,7 @@ from tests.unit.service.sessions.contacts.fakes import RADII_MM, Bench, planned
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
+from truepose.messages.message import message
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.contact.state import Question
 from truepose.sessions.errors import NotNowError, PersonMissingError, PlanRefusedError
@@ -66,6 +67,27 @@ async def test_everything_is_asked_before_anything_moves_and_then_read(bench):
     assert "zero it" in zero
     assert "emergency stop" in clear
     assert [taken.config for taken in bench.read] == [stop.config for stop in PLAN.stops]
+
+
+async def test_whoever_confirms_that_the_cell_is_clear_is_told_what_touches_on_the_ways(bench):
+    async def look(ways):
+        return message("room.be_ready") if len(ways.start_rad) > 1 else ""
+
+    state, questions = await run(bench, look_at_ways=look)
+
+    assert state is SessionState.FINISHED
+    assert ["Be ready to stop the arm" in asked for asked in questions] == [False, False, True]
+
+
+async def test_a_null_that_leads_where_something_touches_costs_its_stop_and_asks_nobody(bench):
+    async def look(ways):
+        return message("room.be_ready") if len(ways.start_rad) == 1 and bench.robot.moves else ""
+
+    state, questions = await run(bench, look_at_ways=look)
+
+    assert (state, len(questions)) == (SessionState.FINISHED, 3)
+    assert [one.config for one in bench.journal.skipped] == [1, 4, 5]  # else back along its own way
+    assert all("Be ready to stop the arm" in one.reason for one in bench.journal.skipped)
 
 
 async def test_a_probe_is_read_at_its_zero_where_it_truly_touches(bench):
@@ -395,7 +417,7 @@ async def test_another_robot_than_the_cell_file_names_does_not_move(bench):
 
 async def test_a_box_with_another_number_of_gauges_is_told(bench):
     two = bench.cell()
-    cell = type(two)(two.gauges * 2, *(getattr(two, name) for name in ("robot_controller", "clock", "robot")))
+    cell = replace(two, gauges=two.gauges * 2)
     operator = PatientOperator(2)
 
     await operator.attend_from_the_start(ContactRunner(PLAN, cell, bench.journal))

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain import asking
+from tests.unit.service.sessions.stand_ins import nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120, FakeCell, FakeClock, FakeRobot, make_plan
 from tests.unit.service.sessions.tracker.operators import PatientOperator, until
 from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.arm import Arm, MotionSegments, Permission, rest_of_way
+from truepose.sessions.engine.arm import Arm, MotionSegments, Permission
 from truepose.sessions.engine.interlocks import motion_notice
 from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.errors import MotionForbiddenError
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_drivers.api import MotionGuard, MotionLimits
@@ -76,7 +78,7 @@ async def make_arm(robot, clock, permission=None, **changes):
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
     ask = permission or (lambda now_s: allowed)
     settings = {"wall_s": lambda: clock.time_s, **changes}
-    arm = Arm(robot, clock, IRB120, WIDE, 0.00035, ask, **settings)
+    arm = Arm(robot, clock, IRB120, WIDE, 0.00035, ask, KnownWays(nothing_in_the_way), **settings)
     await arm.set_limits(SLOW)
     return arm
 
@@ -234,23 +236,3 @@ def test_what_a_controller_does_when_it_is_left_alone_is_said():
     told = MotionGuard(longest_piece_s=1.0, speed_share=0.3)
     assert "for up to 1 s, longer only where the speed override" in english(motion_notice(told))
     assert "stops the arm by itself within 1 s" in english(motion_notice(MotionGuard(stops_unheard_s=1.0)))
-
-
-WAY = ((0.0, 0.0), (1.0, 0.0), (1.0, 2.0))
-
-
-@pytest.mark.parametrize(
-    ("here", "left"),
-    [
-        ((-0.5, 0.0), WAY),  # before its first point: from the stop before
-        ((0.0, 0.0), WAY[1:]),
-        ((0.4, 0.0), WAY[1:]),  # halted between two points
-        ((1.0, 0.0), WAY[2:]),
-        ((1.0, 1.9), WAY[2:]),
-        ((1.0, 2.0), WAY[2:]),  # at its end: that is gone to in any case
-        ((0.5, 0.5), WAY),  # beside it
-        ((0.0, 0.0, 0.0), WAY),  # another arm
-    ],
-)
-def test_an_arm_that_was_halted_on_its_way_goes_on_along_it(here, left):
-    assert rest_of_way(WAY, here, 1e-3) == left

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk
+from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk, nothing_in_the_way
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -305,6 +305,7 @@ class FakeCell:
             base=FramePlacement(),
             nests=NESTS,
             fixed_nests=FIXED_NESTS,
+            look_at_ways=nothing_in_the_way,
             tracker_position_mm=TRACKER_AT,
         )
 

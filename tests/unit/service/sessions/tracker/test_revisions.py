@@ -1,6 +1,7 @@
 """Leaving a reading out, and taking one again: nothing is deleted, and no arm moves by a tap on a table."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 
@@ -11,6 +12,7 @@ from tests.unit.service.sessions.tracker.operators import until
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, SessionState
 from truepose.messages.catalogue import english
+from truepose.messages.message import message
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError, PersonMissingError, ReasonMissingError
 from truepose.sessions.tracker.runner import TrackerRunner
@@ -76,6 +78,48 @@ async def test_a_configuration_that_is_left_out_is_not_gone_to():
     assert measured(cell) == [1, 2, 4]
     assert make_stop(3).joints_rad not in cell.robot.moves
     assert [(one.config, one.reason) for one in cell.journal.skipped] == [(3, "in the way")]
+
+
+class Eyes:
+    """Look at ways of a cell that is narrow once a test says so."""
+
+    narrow = False
+
+    async def __call__(self, ways):
+        return message("room.be_ready") if self.narrow else ""
+
+
+async def test_past_a_configuration_that_is_left_out_the_arm_goes_where_the_way_was_looked_at():
+    cell = FakeCell()
+    async with Halted(cell, make_plan(4), after=1) as session:
+        noted = len(cell.journal.notes)
+        await session.act(CommandName.SKIP, "stop-3", "in the way")
+        await session.go_on()
+        await session.to_the_end()
+
+    assert [note for note in cell.journal.notes[noted:] if "none of the plan's" in note] == [
+        "The arm went a way that is none of the plan's; it was looked at before, and nothing touched on it."
+    ]
+
+
+async def test_where_something_touches_on_the_way_past_it_a_person_is_asked_and_says_so_once():
+    cell, eyes = FakeCell(), Eyes()
+    cell.cell = replace(cell.cell, look_at_ways=eyes)
+    async with Halted(cell, make_plan(4), after=1) as session:
+        await session.act(CommandName.SKIP, "stop-3", "in the way")
+        eyes.narrow = True
+        await session.go_on()
+        question = await session.to_the_question()
+        moves = len(cell.robot.moves)
+
+        assert measured(cell) == [1, 2]
+        assert english(question).startswith("The way that comes next is none of the plan's. Be ready")
+        await asking.confirm(session.runner, PERSON)
+        assert await session.to_the_end() is SessionState.FINISHED
+
+    assert measured(cell) == [1, 2, 4]
+    assert len(cell.robot.moves) == moves + 2
+    assert cell.journal.skipped[1:] == []  # it costs no configuration
 
 
 async def test_what_was_measured_can_be_left_out_too():
