@@ -115,8 +115,7 @@ class JobQueue:
             # Awaited: the worker and its children are gone before whoever stopped the job is answered
             # (decision 0052).
             task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await task
+            await asyncio.wait({task})
 
     async def close(self) -> None:
         """End all workers."""
@@ -152,8 +151,16 @@ class JobQueue:
             answer = await self._perform(await work.load(), self._told(job_id, job, began_s))
             await self._kept(job_id, job, lambda: work.store(job_id, answer), _TRIES)
         except Exception as error:  # whatever it is, nobody works on the job any more
-            failed = (job_id, JobState.FAILED, _said(job_id, error), code_of(error))
-            await self._kept(job_id, job, lambda: self._jobs.change_state(*failed))
+            try:
+                await self._fail(job_id, job, error)
+            except ConflictError:
+                raise
+            except Exception as unkept:  # of words, say, that no storage has letters for
+                await self._fail(job_id, job, unkept)
+
+    async def _fail(self, job_id: int, job: _Job, error: Exception) -> None:
+        failed = (job_id, JobState.FAILED, _said(job_id, error), code_of(error))
+        await self._kept(job_id, job, lambda: self._jobs.change_state(*failed))
 
     async def _kept(
         self, job_id: int, job: _Job, write: Callable[[], Awaitable[object]], tries: int | None = None

@@ -119,6 +119,15 @@ async def test_that_a_job_failed_is_said_once_storage_takes_it(error, times):
     assert str(error) in english(storage.states[-1][1])
 
 
+async def test_a_failure_whose_words_cannot_be_written_is_one_in_other_words():
+    storage = Storage(None, None, UnicodeEncodeError("utf-8", "\ud800", 0, 1, "surrogates not allowed"))
+
+    await ended(await begun(storage, Worker(FileNotFoundError("\ud800.csv"))))
+
+    assert [state for state, _ in storage.states] == [JobState.RUNNING, JobState.FAILED]
+    assert "UnicodeEncodeError" in english(storage.states[-1][1])
+
+
 async def test_a_result_that_alone_is_refused_has_its_job_fail_with_the_reason():
     full = StorageUnavailableError("There is no room for 40 MB.")
     storage = Storage(None, None, *[full] * queueing._TRIES)
