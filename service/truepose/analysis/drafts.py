@@ -133,7 +133,7 @@ class DraftService:
                 await self._jobs.identify(campaign_id, None, _key(draft, "identification")),
                 await self._jobs.diagnose(campaign_id, None, key=_key(draft, "diagnosis")),
             )
-            return await _off_the_loop(self._drafts.keep_made, number, campaign_id, jobs)
+            return await _off_the_loop(self._drafts.keep_made, draft, campaign_id, jobs)
 
     async def _look(self, draft: Draft, *, make: bool) -> BroughtRead:
         if not draft.files:

@@ -154,10 +154,11 @@ class DraftFolder:
         with self._lock, _told_of_disk():
             return self._write(_changed(self.get(number), choices=choices))
 
-    def keep_made(self, number: int, campaign_id: int, job_ids: tuple[int, ...]) -> Draft:
-        """Keep what was made of a draft; raises NotFoundError."""
+    def keep_made(self, draft: Draft, campaign_id: int, job_ids: tuple[int, ...]) -> Draft:
+        """Keep what was made of a draft, unless it was changed meanwhile; raises NotFoundError."""
+        made = replace(draft, campaign_id=campaign_id, job_ids=job_ids)
         with self._lock, _told_of_disk():
-            return self._write(replace(self.get(number), campaign_id=campaign_id, job_ids=job_ids))
+            return self._write(made) if self.get(draft.id).revision == draft.revision else made
 
     def path(self, number: int, file: int) -> Path:
         """Return where a file of a draft lies."""

@@ -148,11 +148,21 @@ def test_there_are_not_more_than_so_many(drafts):
 
 
 def test_what_is_said_anew_is_not_what_a_campaign_was_made_of(drafts):
-    number = drafts.create().id
-    drafts.keep_made(number, 7, (1, 2))
+    draft = drafts.create()
+    drafts.keep_made(draft, 7, (1, 2))
 
-    assert drafts.get(number).campaign_id == 7
-    assert drafts.keep_choices(number, {"u_mm": 0.02}).campaign_id is None
+    assert drafts.get(draft.id).campaign_id == 7
+    assert drafts.keep_choices(draft.id, {"u_mm": 0.02}).campaign_id is None
+
+
+def test_of_one_that_was_changed_while_a_campaign_was_made_nothing_is_made_yet(drafts):
+    draft = drafts.create()
+    changed = drafts.keep_choices(draft.id, {"u_mm": 0.02})
+
+    made = drafts.keep_made(draft, 7, (1, 2))
+
+    assert (made.campaign_id, made.job_ids) == (7, (1, 2))
+    assert drafts.get(draft.id) == changed
 
 
 @pytest.mark.parametrize("number", [0, 99])
