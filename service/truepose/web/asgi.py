@@ -69,7 +69,8 @@ class _SecuredApplication(FastAPI):
 
     def build_middleware_stack(self) -> ASGIApp:
         secured = SecurityMiddleware(super().build_middleware_stack(), self._hosts, self._proxies)
-        return RequestLog(secured, self.state.metrics)
+        # Around all that may refuse, so that refusals are in the reader's words too.
+        return RequestLog(LanguageMiddleware(secured), self.state.metrics)
 
 
 def application_of(
@@ -118,9 +119,6 @@ def application_of(
     operations = operations_of(app.routes)
     require_complete(operation.name for operation in operations)
     app.add_middleware(AuthorizationMiddleware, operations=operations)
-    app.add_middleware(
-        LanguageMiddleware
-    )  # around all that may refuse, so that refusals are in their words too
     # Outermost, so that refusals are compressed as well; streams and what is packed already are left alone.
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=5, exclude_content_types=_AS_IT_IS)
     _complete_openapi(app)

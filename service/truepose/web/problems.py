@@ -25,7 +25,7 @@ from truepose.domain.errors import RecordRefusedError, TrueposeError, Unsuitable
 from truepose.domain.people import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
 from truepose.messages.error_codes import code_named, code_of, explain
-from truepose.messages.message import Text
+from truepose.messages.message import Text, message
 from truepose.people.errors import (
     AccountRefusedError,
     FreshSignInNeededError,
@@ -74,10 +74,10 @@ def refused_page(request: Request, status: HTTPStatus, sentence: Text, code: str
     )
 
 
-_IN_WORDS: Final = {  # of patterns
-    VISIBLE: "Nobody could see it; give it at least one visible character",
-    NAME_PATTERN: "A name has a letter or a digit, and only characters that can be seen",
-    KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
+_IN_WORDS: Final[Mapping[object, Text]] = {  # of patterns
+    VISIBLE: message("refused.unseen"),
+    NAME_PATTERN: message("refused.name_signs"),
+    KEY: message("refused.key_signs"),
 }
 FRESH_SIGN_IN: Final = "fresh-sign-in"  # that is solved by showing once more who it is
 SIGN_IN: Final = "sign-in"  # that is solved by signing in
@@ -233,26 +233,28 @@ async def _on_refusal(request: Request, error: Exception) -> Response:
 
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
     # Nobody reads it, and the log is for what went wrong here.
-    return problem_response(request, HTTPStatus.REQUEST_TIMEOUT, "The connection ended before the answer.")
+    return problem_response(request, HTTPStatus.REQUEST_TIMEOUT, message("refused.connection_ended"))
 
 
 async def _on_failure(request: Request, error: Exception) -> JSONResponse:
     """Answer for a fault of the program; its traceback goes to the log, not to whoever asked."""
-    told = f"The service failed at this request ({type(error).__name__}); its log says where."
+    told = message("refused.failed", fault=type(error).__name__)
     return problem_response(request, HTTPStatus.INTERNAL_SERVER_ERROR, told)
 
 
 async def _on_http(request: Request, error: Exception) -> JSONResponse:
     if not isinstance(error, HTTPException):
         raise error
-    detail, headers = str(error.detail), dict(error.headers or {})
+    detail: Text = str(error.detail)
+    headers = dict(error.headers or {})
     if error.status_code == HTTPStatus.BAD_REQUEST:  # the framework's word for bytes that are no text
-        detail = "The body cannot be read; send JSON in UTF-8."
+        detail = message("refused.unreadable_body")
     if error.status_code == HTTPStatus.NOT_FOUND:
-        detail = f"There is nothing at {request.url.path}; /openapi.json lists what there is."
+        detail = message("refused.no_path", path=request.url.path)
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
         headers["Allow"] = ", ".join(_allowed_methods(request))
-        detail = f"{request.method} is not possible at {request.url.path}; {headers['Allow']} is."
+        said = {"method": request.method, "path": request.url.path, "allowed": headers["Allow"]}
+        detail = message("refused.method", **said)
     return problem_response(request, error.status_code, detail, headers)
 
 
@@ -275,22 +277,23 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
     kind = _NAME if "person" in faults[0]["loc"][-1:] else None
     if faults[0]["type"] == ANOTHER_PERSON:
         code = code_named("NotAllowedError")
-        sentence = f"{faults[0]['msg']}; whoever acts signs in."
+        sentence = message("refused.another_person", **faults[0]["ctx"])
         return problem_response(request, HTTPStatus.FORBIDDEN, sentence, kind=_NAME, code=code)
     code = code_named(_OF_FAULT.get(faults[0]["type"], "InvalidRequest"))
-    sentence = _sentence(faults, error.body)
-    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, sentence, kind=kind, code=code)
+    said = _sentence(faults, error.body)
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, said, kind=kind, code=code)
 
 
-def _sentence(faults: Any, body: Any) -> str:
+def _sentence(faults: Any, body: Any) -> Text:
     """Return one sentence on the first fault: where, what, and how many more there are."""
     first = faults[0]
-    where = _place(first["loc"], body) or "the body"
     if first["type"] == "json_invalid":
-        return f"The body is not JSON: {first['ctx']['error']} at character {first['loc'][-1]}."
-    what = _IN_WORDS.get(first.get("ctx", {}).get("pattern"), first["msg"])
-    more = f" ({len(faults) - 1} more like this.)" if len(faults) > 1 else ""
-    return f"{where}: {_lowered(what)}.{more}"
+        return message("refused.not_json", fault=first["ctx"]["error"], at=first["loc"][-1])
+    where = _place(first["loc"], body) or message("refused.body")
+    what = _IN_WORDS.get(first.get("ctx", {}).get("pattern")) or _lowered(first["msg"])
+    if len(faults) == 1:
+        return message("refused.fault", where=where, what=what)
+    return message("refused.faults", where=where, what=what, more=len(faults) - 1)
 
 
 def _place(loc: Sequence[str | int], body: Any) -> str:
@@ -315,5 +318,6 @@ def _has(body: Any, part: str | int) -> bool:
     return isinstance(body, dict) and part in body
 
 
-def _lowered(text: str) -> str:
-    return text[:1].lower() + text[1:].rstrip(".")
+def _lowered(text: Text) -> Text:
+    """Return a sentence of the framework's as the end of one of ours."""
+    return text[:1].lower() + text[1:].rstrip(".") if isinstance(text, str) else text

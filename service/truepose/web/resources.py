@@ -23,6 +23,7 @@ from starlette.datastructures import QueryParams
 from starlette.requests import ClientDisconnect
 from starlette.types import Receive, Scope, Send
 
+from truepose.messages.message import Message, message
 from truepose.storage.queries import Part
 from truepose.storage.records import Page, RequestKey
 from truepose.web.middleware.rights import current_request, signed_in_name
@@ -76,12 +77,13 @@ def _taken(route: APIRoute) -> tuple[str, ...]:
     return tuple(field.alias for field in fields if isinstance(field.field_info, params.Query))
 
 
-def _hint(unknown: str, known: tuple[str, ...]) -> str:
+def _hint(unknown: str, known: tuple[str, ...]) -> Message:
     if not known:
-        return "no parameters are taken here"
+        return message("refused.no_parameters")
     like = difflib.get_close_matches(unknown.lower(), known, n=1, cutoff=_ALIKE)
-    told = f"did you mean {like[0]}" if like else f"known are {', '.join(known)}"
-    return f"unknown here; {told}"
+    if like:
+        return message("refused.meant_parameter", name=like[0])
+    return message("refused.known_parameters", names=", ".join(known))
 
 
 def drop_null_of_parameters(document: dict[str, Any]) -> None:

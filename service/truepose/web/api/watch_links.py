@@ -73,7 +73,7 @@ class NewWatchLinkReply(Reply):
 router = resource(tags=["people"])
 pages = APIRouter(include_in_schema=False)
 _MODULE_PX: Final = 8
-_OVER: Final = "This link shows nothing any more: it has ended, or was taken back."
+_OVER: Final = message("refused.watch_over")
 _HOURS_A_DAY: Final = 24
 
 

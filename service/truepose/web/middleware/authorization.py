@@ -12,8 +12,11 @@ from urllib.parse import quote
 
 from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import Message as Part
 
+from truepose.domain.people import Role
+from truepose.messages.message import Message, message
 from truepose.people.accounts import Accounts
 from truepose.people.act_log import ActLog
 from truepose.people.attempts import Guesses, address_block
@@ -41,9 +44,7 @@ _BEARER: Final = re.compile(r"bearer +([A-Za-z0-9_-]{43})", re.ASCII | re.IGNORE
 _SECRET: Final = re.compile(r"[A-Za-z0-9_-]{43}", re.ASCII)
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _REFUSED: Final = frozenset({HTTPStatus.UNAUTHORIZED, HTTPStatus.FORBIDDEN, HTTPStatus.TOO_MANY_REQUESTS})
-_SIGN_IN_FIRST: Final = (
-    "Sign in first: in a browser at /sign-in, as a program with a token (Authorization: Bearer ...)."
-)
+_SIGN_IN_FIRST: Final = message("refused.sign_in_first")
 
 
 def cookie_name(scope: Scope) -> str:
@@ -94,13 +95,13 @@ class _Watch:
         self._send = send
         self.status = int(HTTPStatus.INTERNAL_SERVER_ERROR)
 
-    async def send(self, message: Message) -> None:
-        if message["type"] == "http.response.start":
-            self.status = message["status"]
-        elif message.get("more_body") and not self._lasts():
+    async def send(self, part: Part) -> None:
+        if part["type"] == "http.response.start":
+            self.status = part["status"]
+        elif part.get("more_body") and not self._lasts():
             await self._send({"type": "http.response.body", "body": b"", "more_body": False})
             raise _NoLongerAllowedError
-        await self._send(message)
+        await self._send(part)
 
     def _lasts(self) -> bool:
         return self._caller is NOBODY or self._accounts.lasts(self._caller)
@@ -151,7 +152,7 @@ def _refusal(
             return RedirectResponse(f"/not-yours?page={quote(scope['path'])}", HTTPStatus.SEE_OTHER)
         return problem_response(request, HTTPStatus.FORBIDDEN, _not_for(caller, name))
     if name in FRESH and caller.sign_in is not None and not accounts.sign_ins.is_fresh(caller):
-        sentence = str(FreshSignInNeededError())
+        sentence = FreshSignInNeededError().text
         return problem_response(request, HTTPStatus.FORBIDDEN, sentence, kind=FRESH_SIGN_IN)
     return None
 
@@ -165,13 +166,14 @@ def _sign_in_address(request: Request) -> str:
     return f"/sign-in?next={quote(wanted)}"
 
 
-def _not_for(caller: Caller, operation: str | None) -> str:
-    least = None if operation is None else LEAST[operation]
-    of_owner = caller.role is not None and may(caller.role, operation)
-    who = f"{caller.name} has the role {caller.role}"
-    if of_owner and caller.person is not None:
-        who = f"{caller.name} may do what {caller.person.name} may, whose role is {caller.person.role} now"
-    return f"{who}; this is for the role {least} and those above it."
+def _not_for(caller: Caller, operation: str | None) -> Message:
+    least = str(Role.VIEWER if operation is None else LEAST[operation])
+    owner = caller.person
+    if owner is not None and caller.role is not None and may(caller.role, operation):
+        return message(
+            "refused.low_owner", name=caller.name, person=owner.name, role=str(owner.role), least=least
+        )
+    return message("refused.low_role", name=caller.name, role=str(caller.role), least=least)
 
 
 def _record(scope: Scope, operation: Operation | None, asked: RequestRecord, status: int, here: Any) -> None:

@@ -14,9 +14,10 @@ import re
 from typing import Final
 
 from starlette.requests import Request
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import Message as Part
 
-from truepose.messages.message import message
+from truepose.messages.message import Message, message
 from truepose.web.problems import problem_response
 
 _SUSPECT: Final = re.compile(
@@ -47,7 +48,7 @@ _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
 _FORM: Final = "multipart/form-data"
 _JSON: Final = "application/json"
-_HALF: Final = r"The body holds half a character (as \ud83d alone), which is no text; send whole ones."
+_HALF: Final = message("refused.half_character", example=r"\ud83d")
 _BYTES: Final = "application/octet-stream"
 _UPLOADS: Final = {
     _CAMPAIGNS: ("application/zip", _FORM, _JSON),  # JSON names sessions
@@ -89,15 +90,15 @@ class RequestLimits:
     async def _watched(self, request: Request, receive: Receive, send: Send, body: "_Body") -> None:
         """Pass the request on and stop it where its body shows that it is refused."""
 
-        async def look() -> Message:
-            message = await receive()
-            body.look_at(message)
-            return message
+        async def look() -> Part:
+            part = await receive()
+            body.look_at(part)
+            return part
 
-        async def send_unless_refused(message: Message) -> None:
+        async def send_unless_refused(part: Part) -> None:
             # Whatever reads the body may have turned our error into an answer of its own.
             if body.refused is None:
-                await send(message)
+                await send(part)
 
         with contextlib.suppress(_RefusedError):
             await self._app(request.scope, look, send_unless_refused)
@@ -109,20 +110,20 @@ class _Body:
     """A body as it comes in."""
 
     def __init__(self, limit: int, is_json: bool) -> None:
-        self.refused: tuple[int, str] | None = None  # status and sentence
+        self.refused: tuple[int, Message] | None = None  # status and sentence
         self._limit = limit
         self._seen_bytes = 0
         self._json = bytearray() if is_json else None
 
-    def look_at(self, message: Message) -> None:
+    def look_at(self, part: Part) -> None:
         """Look at a part of it; raises _RefusedError."""
-        part = message.get("body", b"")
-        self._seen_bytes += len(part)
+        sent = part.get("body", b"")
+        self._seen_bytes += len(sent)
         if self._seen_bytes > self._limit:
             self.refused = 413, _too_large(self._limit)
-        elif self._json is not None and message["type"] == "http.request":
-            self._json += part
-            if not message.get("more_body") and has_half_character(bytes(self._json)):
+        elif self._json is not None and part["type"] == "http.request":
+            self._json += sent
+            if not part.get("more_body") and has_half_character(bytes(self._json)):
                 self.refused = 422, _HALF
         if self.refused is not None:
             raise _RefusedError
@@ -160,15 +161,17 @@ def _declared_length(request: Request) -> int:
     return int(declared) if declared.isdecimal() else 0
 
 
-def _too_large(limit: int) -> str:
-    return f"The body is larger than {limit // 2**20} MB, the most that is read here."
+def _too_large(limit: int) -> Message:
+    return message("refused.large_body", megabytes=limit // 2**20)
 
 
-def _refused_type(request: Request) -> str | None:
+def _refused_type(request: Request) -> Message | None:
     sent = _sent_type(request)
     has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
     understood = _understood(request)
     # A page of anybody can send a form without asking first, an empty one too.
     if request.method in _READING or sent in understood or not (has_body or sent in _FORMS):
         return None
-    return f"The body is {sent or 'of no stated type'}; {' or '.join(understood)} is understood here."
+    if not sent:
+        return message("refused.untyped_body", understood=understood)
+    return message("refused.body_type", sent=sent, understood=understood)

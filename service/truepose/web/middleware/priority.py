@@ -14,10 +14,12 @@ from typing import Final
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from truepose.messages.message import message
 from truepose.web.middleware.limits import is_upload
 from truepose.web.problems import problem_response
 
 _WAIT_S: Final = 5.0
+_FULL: Final = message("refused.many_requests")
 _AGAIN_S: Final = 2  # after which a client that found no place may ask again
 _FREE_BYTES: Final = 64 * 1024  # of each body; an act or a pause is always received
 _BODIES_BYTES: Final = 128 * 2**20  # of all bodies together
@@ -95,8 +97,7 @@ class ConcurrencyLimits:
             async with self._lane(scope["path"]).place():
                 await self._app(scope, body, send)
         except _FullError:
-            sentence = "Too many requests are under way; ask again in a moment."
-            answer = problem_response(Request(scope), 503, sentence, {"Retry-After": str(_AGAIN_S)})
+            answer = problem_response(Request(scope), 503, _FULL, {"Retry-After": str(_AGAIN_S)})
             await answer(scope, receive, send)
         finally:
             self._bodies_bytes -= sum(held)
@@ -115,13 +116,13 @@ class ConcurrencyLimits:
         received = bytearray()
         more = True
         while more:
-            message = await receive()
-            if message["type"] != "http.request":
-                return _handing_on(message, receive)
-            received += message.get("body", b"")
-            more = message.get("more_body", False)
+            part = await receive()
+            if part["type"] != "http.request":
+                return _handing_on(part, receive)
+            received += part.get("body", b"")
+            more = part.get("more_body", False)
             if len(received) > _FREE_BYTES:
-                held.append(len(message.get("body", b"")))
+                held.append(len(part.get("body", b"")))
                 self._bodies_bytes += held[-1]
                 if self._bodies_bytes > _BODIES_BYTES:
                     raise _FullError

@@ -12,9 +12,11 @@ from http import HTTPStatus
 from typing import Final, TypeAlias
 
 from starlette.requests import Request
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import Message as Part
 
 from truepose.messages.error_codes import code_named
+from truepose.messages.message import Message, message
 from truepose.web.middleware.hosts import AllowedHosts, AskedHost, Proxies, requested_host
 from truepose.web.problems import problem_response
 from truepose.web.schemas import TIME_HEADER, time_s
@@ -32,6 +34,7 @@ PAGES: Final = re.compile(
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})
 _OURS: Final = frozenset({"same-origin", "none"})  # none: typed in, or from the bookmarks
+_ANOTHER_PAGE: Final = message("refused.another_page")
 _LONGEST: Final = 100  # letters of what somebody sent, in a sentence
 
 
@@ -60,13 +63,13 @@ class Refusal:
     """The request may not come in."""
 
     status: HTTPStatus
-    sentence: str
+    sentence: Message
 
 
 def judge(asked: RequestOrigin, hosts: AllowedHosts) -> Welcome | Refusal:
     """Return whether a request may come in."""
     if not asked.path.startswith("/"):
-        return Refusal(HTTPStatus.BAD_REQUEST, "The target of the request must be a path that begins with /.")
+        return Refusal(HTTPStatus.BAD_REQUEST, message("refused.target"))
     host = _host(asked, hosts)
     if isinstance(host, Refusal):
         return host
@@ -79,15 +82,10 @@ def _host(asked: RequestOrigin, hosts: AllowedHosts) -> AskedHost | Refusal:
     sent = asked.all(b"host")
     host = requested_host(sent[0]) if len(sent) == 1 else None
     if host is None:
-        return Refusal(
-            HTTPStatus.BAD_REQUEST, "The request must name the host that it asks, once: a name and a port."
-        )
+        return Refusal(HTTPStatus.BAD_REQUEST, message("refused.no_host"))
     if hosts.scheme(host) is None:
-        return Refusal(
-            HTTPStatus.MISDIRECTED_REQUEST,
-            f"This service does not answer as {_shown(host.name)}; if that is its name or address here, "
-            f"start it with --allowed-host {_shown(host.name)} (or TRUEPOSE_ALLOWED_HOSTS).",
-        )
+        sentence = message("refused.foreign_host", host=_shown(host.name))
+        return Refusal(HTTPStatus.MISDIRECTED_REQUEST, sentence)
     return host
 
 
@@ -95,23 +93,21 @@ def _upgrade(asked: RequestOrigin) -> Refusal | None:
     wanted = {token.strip().lower() for value in asked.all(b"upgrade") for token in value.split(",")}
     if "websocket" not in wanted:
         return None
-    return Refusal(
-        HTTPStatus.BAD_REQUEST, "There are no WebSockets here; /api/v1/events streams what happens."
-    )
+    return Refusal(HTTPStatus.BAD_REQUEST, message("refused.web_sockets"))
 
 
 def _foreign_origin(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
     foreign = [origin for origin in asked.all(b"origin") if not hosts.is_origin(origin, host)]
-    return _foreign(f"a page of {_shown(foreign[0])}") if foreign else None
+    return _foreign(message("refused.page_of", origin=_shown(foreign[0]))) if foreign else None
 
 
 def _foreign_fetch(asked: RequestOrigin) -> Refusal | None:
     if _FRAMES.intersection(asked.all(b"sec-fetch-dest")):
-        return Refusal(HTTPStatus.FORBIDDEN, "Pages of this service are not shown within other pages.")
+        return Refusal(HTTPStatus.FORBIDDEN, message("refused.frame"))
     sites = asked.all(b"sec-fetch-site")
     if _OURS.issuperset(sites) and (asked.method in _READING or "none" not in sites):
         return None
-    return None if _is_link_to_page(asked) else _foreign("another page")
+    return None if _is_link_to_page(asked) else _foreign(_ANOTHER_PAGE)
 
 
 def _is_link_to_page(asked: RequestOrigin) -> bool:
@@ -129,9 +125,9 @@ def _unproven_change(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost)
         return None
     referers = asked.all(b"referer")
     if any(not hosts.is_origin(_origin_of(referer), host) for referer in referers):
-        return _foreign("another page")
+        return _foreign(_ANOTHER_PAGE)
     told = any(name == b"cookie" or name.startswith(b"sec-fetch-") for name, _ in asked.headers)
-    return _foreign("a browser that does not say from which page") if told and not referers else None
+    return _foreign(message("refused.unsaid_page")) if told and not referers else None
 
 
 def _origin_of(address: str) -> str:
@@ -139,12 +135,8 @@ def _origin_of(address: str) -> str:
     return f"{scheme}://{re.split('[/?#]', rest, maxsplit=1)[0]}"
 
 
-def _foreign(whence: str) -> Refusal:
-    return Refusal(
-        HTTPStatus.FORBIDDEN,
-        f"The request comes from {whence}; in a browser only the service's own pages may ask it. "
-        "A proxy in front must pass on the Host that was asked.",
-    )
+def _foreign(whence: Message) -> Refusal:
+    return Refusal(HTTPStatus.FORBIDDEN, message("refused.foreign_page", whence=whence))
 
 
 def _shown(text: str) -> str:
@@ -228,9 +220,9 @@ class SecurityMiddleware:
 
 
 def _protecting(send: Send) -> Send:
-    async def protect(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            message = {**message, "headers": with_protection(message.get("headers", ()))}
-        await send(message)
+    async def protect(part: Part) -> None:
+        if part["type"] == "http.response.start":
+            part = {**part, "headers": with_protection(part.get("headers", ()))}
+        await send(part)
 
     return protect

@@ -11,8 +11,9 @@ from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell import Cell
-from truepose.domain.errors import UnsuitableModelError
+from truepose.domain.errors import UnsuitableModelError, text_of
 from truepose.exchange.models.acceptance import HandedModel, fitting_model
+from truepose.messages.catalogue import Catalogue
 from truepose.sessions.devices import DeviceStatus
 from truepose.sessions.engine.states import has_ended
 from truepose.storage.plant.deployments import HandedDownRecord, HandedDownRepository
@@ -115,7 +116,7 @@ async def handed_down_page(visit: Visited, before: Before = None) -> HTMLRespons
     """List what was handed down, the latest first, with who accepted or used it."""
     found = await HandedDownRepository(visit.here.database).newest(_HANDED_DOWN + 1, before)
     shown = found[:_HANDED_DOWN]
-    checks = await asyncio.to_thread(_checks, shown, visit.here.cell)
+    checks = await asyncio.to_thread(_checks, shown, visit.here.cell, visit.words)
     return visit.page(
         "results/hand_downs.html",
         hand_downs=shown,
@@ -126,17 +127,17 @@ async def handed_down_page(visit: Visited, before: Before = None) -> HTMLRespons
     )
 
 
-def _checks(found: Iterable[HandedDownRecord], cell: Cell) -> dict[int, HandedModel | str]:
+def _checks(found: Iterable[HandedDownRecord], cell: Cell, words: Catalogue) -> dict[int, HandedModel | str]:
     """Return what each model that waits for acceptance does here, or why it is none for this cell."""
     waiting = (one for one in found if one.handed_down.kind == "model" and one.model_id is None)
-    return {one.id: _check(one, cell) for one in waiting}
+    return {one.id: _check(one, cell, words) for one in waiting}
 
 
-def _check(record: HandedDownRecord, cell: Cell) -> HandedModel | str:
+def _check(record: HandedDownRecord, cell: Cell, words: Catalogue) -> HandedModel | str:
     try:
         return fitting_model(record.handed_down.document, cell)
     except UnsuitableModelError as error:
-        return str(error)
+        return words.spoken(text_of(error))
 
 
 def _joints(handed: HandedModel) -> str:

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.analysis.job_queue.tasks import held_out, stored_campaign
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.identification import Model
 from truepose.exchange.models.exports import FORMATS, Format, export
 from truepose.messages.catalogue import Catalogue
@@ -89,7 +89,7 @@ def _rendered(record: ModelRecord, words: Catalogue) -> str:
         parameters=model_table(model, words),
         effects=[words.effect(name) for name in model.effects],
         exports=[
-            (form, _refusal(model, form)) for form in FORMATS
+            (form, _refusal(model, form, words)) for form in FORMATS
         ],  # and why it has no such form; empty: it has
         correlation=correlation_map(model, words),
         words=words,
@@ -97,12 +97,12 @@ def _rendered(record: ModelRecord, words: Catalogue) -> str:
     )
 
 
-def _refusal(model: Model, form: Format) -> str:
+def _refusal(model: Model, form: Format, words: Catalogue) -> str:
     """Return why a model has no such form; empty: it has."""
     try:
         export(model, form)
     except TrueposeError as error:
-        return str(error)
+        return words.spoken(text_of(error))
     return ""
 
 

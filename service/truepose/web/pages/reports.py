@@ -9,7 +9,7 @@ from typing import Annotated, Final
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse, Response
 
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import TrueposeError, text_of
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.errors import NotFoundError
 from truepose.storage.results.reports import ReportRecord, ReportSubject
@@ -130,7 +130,9 @@ async def _older(here: Context, subject: ReportSubject, revision: int, words: Ca
 
 def _refused(visit: Visit, error: TrueposeError) -> HTMLResponse:
     status = HTTPStatus(status_of(error))
-    return visit.page("reports/no_report.html", status, place="reports", why=str(error))
+    return visit.page(
+        "reports/no_report.html", status, place="reports", why=visit.words.spoken(text_of(error))
+    )
 
 
 def _holds(row: ReportRow, text: str, words: Catalogue) -> bool:

@@ -15,7 +15,7 @@ from truepose.analysis.comparison import compare_over_time, dated_diagnoses
 from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
 from truepose.diagnosis.alarms import alarms
 from truepose.diagnosis.history import CauseOverTime
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.identification import Model
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
@@ -100,7 +100,7 @@ async def _content(
     try:
         two = None if pair is None else await _two(visit.here, pair)
     except TrueposeError as error:
-        why = str(error)
+        why = visit.words.spoken(text_of(error))
     found = alarms(causes, dated_diagnoses(records))
     report = HistoryReport(
         records[0].diagnosis.robot, measurements, causes, found, two, language=visit.words.tag

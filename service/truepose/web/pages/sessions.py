@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from markupsafe import Markup
 
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import Catalogue
 from truepose.sessions.engine.states import has_ended
@@ -150,7 +150,7 @@ async def _result(here: Context, row: Row, choice: Choice, words: Catalogue) -> 
         report = await row.kind.report(here, row.origin, choice, words)
         return ResultContent(await asyncio.to_thread(report.content), models=models)
     except TrueposeError as error:
-        return ResultContent(None, str(error), status_of(error), models)
+        return ResultContent(None, words.spoken(text_of(error)), status_of(error), models)
 
 
 def _row(origin: Origin) -> Row:

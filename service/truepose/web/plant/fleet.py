@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.analysis.errors import ClusterError
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import TrueposeError, text_of
 from truepose.plant.calibration_due import latest_day
 from truepose.storage.plant.queries import ResultRecord
 from truepose.web.pages.rendering import Visit, Visited, Whole, render_part
@@ -88,7 +88,7 @@ async def _content(visit: Visit, here: PlantContext, wanted: FleetChoice, *, who
         try:
             return await _compared(visit, here, wanted, FleetContent(), whole=whole)
         except ClusterError as error:
-            away = str(error)
+            away = visit.words.spoken(text_of(error))
     known = await here.fleets.known(wanted.campaigns)
     missing = len(wanted.campaigns) - len(known)
     shown = FleetContent(away=away, missing=missing) if missing else FleetContent()
@@ -107,7 +107,7 @@ async def _compared(
     except ClusterError:
         raise
     except TrueposeError as error:
-        return replace(shown, why=str(error))
+        return replace(shown, why=visit.words.spoken(text_of(error)))
     return replace(shown, content=part, is_drawn=part is not None)
 
 

@@ -8,6 +8,7 @@ from tests.integration.web.bench import session_request
 from truepose.web.middleware.limits import JSON_LIMIT_BYTES
 
 SESSIONS = "/api/v1/sessions"
+JSON = {"Content-Type": "application/json"}
 
 
 def detail_of(answer, status):
@@ -142,3 +143,23 @@ async def test_a_code_that_there_is_not_leads_to_those_that_there_are(client):
 
     assert page.status_code == 404
     assert 'href="/errors"' in page.text
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "sent", "status", "said"),
+    [
+        ("GET", "/api/v1/nothing", {}, 404, "Unter /api/v1/nothing gibt es nichts"),
+        ("DELETE", SESSIONS, {}, 405, "DELETE ist unter /api/v1/sessions nicht möglich; GET, POST ist es."),
+        ("GET", f"{SESSIONS}?limt=3", {}, 422, "query.limt: hier unbekannt; war limit gemeint."),
+        ("POST", SESSIONS, {"json": {"name": " "}}, 422, "weitere dieser Art.)"),
+        ("POST", SESSIONS, {"content": "a", "headers": {"Content-Type": "a/b"}}, 415, "Der Inhalt ist a/b"),
+        ("POST", SESSIONS, {"content": "{", "headers": JSON}, 422, "Der Inhalt ist kein JSON"),
+        ("POST", SESSIONS, {"content": r'"\ud83d"', "headers": JSON}, 422, r"(wie \ud83d allein)"),
+        ("GET", SESSIONS, {"headers": {"Host": "other"}}, 421, "antwortet nicht als other"),
+        ("GET", SESSIONS, {"headers": {"Origin": "http://a.b"}}, 403, "von einer Seite von http://a.b;"),
+    ],
+)
+async def test_a_refusal_is_in_the_words_of_whoever_asks(client, method, path, sent, status, said):
+    client.headers["Accept-Language"] = "de"
+
+    assert said in detail_of(await client.request(method, path, **sent), status)

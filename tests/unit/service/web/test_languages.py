@@ -1,8 +1,14 @@
-"""Which language a browser prefers, by its header."""
+"""Which language a browser prefers, by its header, and what pages say in it."""
+
+from types import SimpleNamespace
 
 import pytest
 
+from truepose.domain.errors import UnsuitableModelError
+from truepose.messages.catalogue import catalogue
+from truepose.messages.message import message
 from truepose.web.middleware.language import preferred_languages
+from truepose.web.pages import cell, identification
 
 
 @pytest.mark.parametrize(
@@ -25,3 +31,23 @@ from truepose.web.middleware.language import preferred_languages
 )
 def test_languages_come_in_the_order_of_their_weights(accepted, languages):
     assert [language for language in preferred_languages(accepted) if language] == languages
+
+
+@pytest.mark.parametrize(
+    ("page", "work", "why"),
+    [
+        (identification, "export", lambda words: identification._refusal(None, None, words)),
+        (
+            cell,
+            "fitting_model",
+            lambda words: cell._check(SimpleNamespace(handed_down=SimpleNamespace(document={})), None, words),
+        ),
+    ],
+)
+def test_a_page_says_in_its_language_why_something_cannot_be(page, work, why, monkeypatch):
+    def refused(*of):
+        raise UnsuitableModelError(message("refused.sign_in"))
+
+    monkeypatch.setattr(page, work, refused)
+
+    assert why(catalogue("de")) == catalogue("de").say("refused.sign_in")
