@@ -3,7 +3,8 @@
 `python -m tests.helpers.reference_pages` writes `docs/reference`; a test holds the pages to the code.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,17 +16,6 @@ from truepose.effects.unclassified.cause import Unnamed
 from truepose_drivers.registry import load_registry
 
 FOLDER: Final = Path(__file__).parents[2] / "docs" / "reference"
-_GROUPS: Final[Mapping[str, Sequence[str]]] = {
-    "Try it": ("demo", "simulate", "nightly"),
-    "Plan and measure": ("plan", "serve", "import", "watch", "inspect"),
-    "Identify and explain": ("identify", "diagnose", "resample", "reanalyse", "fleet"),
-    "Use the model": ("correct", "predict", "export"),
-    "Prove": ("validate", "circles", "sphere"),
-    "Run the service": (
-        "plant", "people", "backup", "restore", "copy", "verify", "retention", "unit", "dashboard",
-    ),
-}  # fmt: skip
-
 
 _COMMANDS_INTRODUCTION: Final = (
     "Options are explained by `truepose COMMAND --help`, which also gives an example. Exit status: 0 done, "
@@ -66,13 +56,11 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _commands() -> Iterator[str]:
-    found: dict[str, Any] = dict(typer.main.get_group(application()).commands)
-    for group, names in _GROUPS.items():
-        yield from (f"## {group}", "")
-        yield from _table(("command", "does"), (_command_row(name, found.pop(name)) for name in names))
+    commands = typer.main.get_group(application()).commands
+    for step, of_step in groupby(commands.items(), lambda one: one[1].rich_help_panel):
+        yield from (f"## {step}", "")
+        yield from _table(("command", "does"), (_command_row(*one) for one in of_step))
         yield ""
-    if found:
-        raise LookupError(f"commands without a group: {', '.join(found)}")
 
 
 def _command_row(name: str, command: Any) -> tuple[str, str]:

@@ -6,9 +6,10 @@ service failed, 130 interrupted.
 
 import functools
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Final
 
 import typer
 
@@ -23,38 +24,42 @@ INTERRUPTED = 130
 # A database that a service has or whose server is away, workers that cannot be used: no input can mend it.
 _OF_SERVICES = frozenset({"TP-5008", "TP-5009", "TP-6004", "TP-6010", "TP-6011"})
 
-_COMMANDS = {
-    "demo": "services",
-    "serve": "services",
-    "plant": "services",
-    "simulate": "services",
-    "identify": "campaigns",
-    "diagnose": "diagnoses",
-    "predict": "campaigns",
-    "reanalyse": "batch_analysis",
-    "fleet": "fleets",
-    "resample": "batch_analysis",
-    "validate": "validation",
-    "plan": "plans",
-    "circles": "circles_and_spheres",
-    "sphere": "circles_and_spheres",
-    "correct": "corrections",
-    "export": "models",
-    "import": "imports",
-    "watch": "batch_analysis",
-    "nightly": "services",
-    "inspect": "imports",
-    "verify": "database",
-    "backup": "database",
-    "restore": "database",
-    "copy": "database",
-    "retention": "database",
-    "unit": "services",
-    "dashboard": "services",
+# In the order of the work, as help lists them: the module of each command, below the heading of its group.
+_BY_STEP: Final[Mapping[str, Mapping[str, str]]] = {
+    "Measure": {
+        "plan": "plans",
+        "serve": "services",
+        "import": "imports",
+        "watch": "batch_analysis",
+        "inspect": "imports",
+    },
+    "Identify": {
+        "identify": "campaigns",
+        "resample": "batch_analysis",
+        "predict": "campaigns",
+    },
+    "Diagnose": {
+        "diagnose": "diagnoses",
+        "circles": "circles_and_spheres",
+        "sphere": "circles_and_spheres",
+    },
+    "Validate": {"validate": "validation"},
+    "Correct": {"correct": "corrections", "export": "models"},
+    "Many robots": {"fleet": "fleets", "reanalyse": "batch_analysis", "plant": "services"},
+    "Look after the service": {
+        "people": "people",
+        "backup": "database",
+        "restore": "database",
+        "copy": "database",
+        "verify": "database",
+        "retention": "database",
+        "unit": "services",
+        "dashboard": "services",
+    },
+    "Try it": {"demo": "services", "simulate": "services", "nightly": "services"},
 }
-
-
-_GROUPS = {"people": "people"}  # of commands
+_OF_SEVERAL: Final = frozenset({"people"})  # commands that have commands of their own
+_MODULES: Final = {name: module for commands in _BY_STEP.values() for name, module in commands.items()}
 
 
 def main() -> int:
@@ -80,28 +85,32 @@ def application(arguments: Sequence[str] = ()) -> typer.Typer:
     app = typer.Typer(
         name="truepose",
         help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
-        no_args_is_help=True,
+        invoke_without_command=True,
         pretty_exceptions_enable=False,
         callback=_asked_of_the_program,
     )
-    for name in _asked_for(arguments):
-        app.command(name)(_exiting(_command(name)))
-    for name in _groups_asked_for(arguments):
-        app.add_typer(_group(name), name=name)
+    for step, names in _BY_STEP.items():
+        for name in _asked_for(arguments, names):
+            _add(app, name, step)
     return app
 
 
-def _asked_for(arguments: Sequence[str]) -> Iterable[str]:
+def _asked_for(arguments: Sequence[str], names: Iterable[str]) -> Iterable[str]:
     """Return the command that will run, all where none is named: what is not asked for is not imported."""
-    return arguments[:1] if arguments and arguments[0] in _COMMANDS else _COMMANDS
+    if not arguments or arguments[0] not in _MODULES:
+        return names
+    return [name for name in names if name == arguments[0]]
 
 
-def _groups_asked_for(arguments: Sequence[str]) -> Iterable[str]:
-    return () if arguments and arguments[0] in _COMMANDS else _GROUPS
+def _add(app: typer.Typer, name: str, step: str) -> None:
+    if name in _OF_SEVERAL:
+        app.add_typer(_group(name), name=name, rich_help_panel=step)
+    else:
+        app.command(name, rich_help_panel=step)(_exiting(_command(name)))
 
 
 def _group(name: str) -> typer.Typer:
-    module = import_module(f"truepose.cli.{_GROUPS[name]}")
+    module = import_module(f"truepose.cli.{_MODULES[name]}")
     group = typer.Typer(help=module.HELP, no_args_is_help=True)
     for command, does in module.COMMANDS.items():
         group.command(command)(_exiting(does))
@@ -109,7 +118,7 @@ def _group(name: str) -> typer.Typer:
 
 
 def _command(name: str) -> Callable[..., int]:
-    module = import_module(f"truepose.cli.{_COMMANDS[name]}")
+    module = import_module(f"truepose.cli.{_MODULES[name]}")
     command: Callable[..., int] = getattr(module, f"{name}_command")
     return command
 
@@ -121,11 +130,16 @@ def _say_version(asked: bool) -> None:
 
 
 def _asked_of_the_program(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", help="Print the version.", callback=_say_version, is_eager=True)
     ] = False,
 ) -> None:
-    """Take the options that stand before a command; each answers by itself."""
+    """Take the options that stand before a command; say what to do next where no command is named."""
+    if context.invoked_subcommand is None:
+        from truepose.cli.next_command import introduction
+
+        sys.stdout.write(introduction(Path()))
 
 
 def _exiting(command: Callable[..., int]) -> Callable[..., None]:

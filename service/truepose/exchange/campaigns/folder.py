@@ -47,6 +47,7 @@ from truepose.exchange.tables.table_reader import Arrays, TableData
 from truepose.messages.message import Message, message
 
 DESCRIPTION = "campaign.json"
+TABLES = frozenset({".csv", ".tsv", ".txt", ".xlsx"})  # suffixes of readings in columns
 GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
 Load = Callable[[str], bytes]
 LoadTable = Callable[[str], TableData]
@@ -63,9 +64,16 @@ def read_campaign(folder: Path) -> Campaign:
     if not folder.exists():
         raise MissingFileError("there is no such campaign folder", file=str(folder))
     if not folder.is_dir():
-        raise UnreadableFileError("this is no campaign folder, nor a zip of one", file=str(folder))
+        raise UnreadableFileError(_no_campaign(folder), file=str(folder))
     most = {DESCRIPTION: GREATEST_DESCRIPTION_BYTES}
     return campaign_from(lambda name: read_bytes(folder / name, most=most.get(name, GREATEST_BYTES)))
+
+
+def _no_campaign(file: Path) -> str:
+    said = "this is no campaign folder, nor a zip of one"
+    if file.suffix.lower() not in TABLES:
+        return said
+    return f"{said}, but a table: `truepose import {file.name} --out CAMPAIGN` makes a campaign of it"
 
 
 def write_campaign(campaign: Campaign, folder: Path) -> None:
