@@ -120,9 +120,9 @@ async def test_that_a_job_failed_is_said_once_storage_takes_it(error, times):
 
 
 async def test_a_failure_whose_words_cannot_be_written_is_one_in_other_words():
-    storage = Storage(None, None, UnicodeEncodeError("utf-8", "\ud800", 0, 1, "surrogates not allowed"))
+    storage = Storage(None, None, UnicodeEncodeError("utf-8", "half a letter", 0, 1, "no surrogates"))
 
-    await ended(await begun(storage, Worker(FileNotFoundError("\ud800.csv"))))
+    await ended(await begun(storage, Worker(FileNotFoundError("half a letter.csv"))))
 
     assert [state for state, _ in storage.states] == [JobState.RUNNING, JobState.FAILED]
     assert "UnicodeEncodeError" in english(storage.states[-1][1])
