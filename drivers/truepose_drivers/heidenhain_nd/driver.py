@@ -15,7 +15,7 @@ from truepose_drivers.transports.tcp import tcp_link
 
 _REPLY_TIMEOUT_S = 1.0  # on top of the time on the line; a counter takes 50 ms at most
 # Eleven bits a character at 7E2: start, seven of data, parity, two stops.
-_ON_THE_LINE_BITS = 80 * 11  # of three commands and their answers
+_ON_THE_LINE_BITS = 90 * 11  # of three commands and their answers
 _MOST_REFUSALS = 3
 _IDENTITY_LINES = 3
 # Factory setting of the counters; the manual lets the operator choose the rate alone.
@@ -75,8 +75,9 @@ class HeidenhainCounter(OnePortDevice):
                 )
         time_s = await self._clock.now_s()
         resolution_mm = protocol.to_mm(1, lamps)
-        # What A0200 answers while an error is displayed is not in the manual: the error decides alone.
-        if answers.value is None or answers.error_text is not None:
+        # What A0200 answers while an error is displayed is not in the manual: the error decides. A counter
+        # that always answers leaves it blank where there is none.
+        if answers.value is None or answers.error_text:
             return BallbarReading(math.nan, "none", resolution_mm, time_s)
         deviation_mm = protocol.to_mm(protocol.decode_count(answers.value), lamps)
         # The counter does not know the range of the gauge; the limits of its sorting mode are set to it.

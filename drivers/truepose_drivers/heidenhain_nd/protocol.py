@@ -25,6 +25,10 @@ _VALUE = re.compile(r"[+-]\d{9}")
 _LAMPS = re.compile(r"[012]{7,14}")  # ND 281 B shows 14, ND 231 B 10, ND 221 B 7 of them
 _COMMAND = re.compile(r"[A-Z]\d{4}")
 _TEXT_WIDTH = 13
+_TEXT_WIDTHS = (
+    _TEXT_WIDTH,
+    33,
+)  # of ND 2xx B by their manual; of ND 287 by the 36 bytes that its client reads
 _FIELD_WIDTH = 10
 _HIGHEST_COUNT = 999_999_999
 
@@ -162,7 +166,7 @@ def reply_kind(line: Line) -> Literal["value", "lamps", "text"]:
         return "value"
     if _LAMPS.fullmatch(line.text):
         return "lamps"
-    if len(line.text) == _TEXT_WIDTH and line.text.isprintable():
+    if len(line.text) in _TEXT_WIDTHS and line.text.isprintable():
         return "text"
     raise NdProtocolError(
         f"{line.text[:40]!r} is neither a value nor an error nor the status indicators of a counter:"

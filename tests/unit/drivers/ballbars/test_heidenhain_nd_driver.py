@@ -14,6 +14,7 @@ from truepose_drivers.heidenhain_nd.driver import PLUGIN, HeidenhainCounter
 from truepose_drivers.heidenhain_nd.protocol import (
     Command,
     Lamps,
+    Line,
     Refusal,
     RequestReader,
     encode_reply,
@@ -100,8 +101,12 @@ async def test_what_the_counter_sorts_out_is_out_of_range(lamps):
     await driver.close()
 
 
-@pytest.mark.parametrize("error", [[Refusal()], None, []], ids=["refused", "ignored", "empty"])
-async def test_without_an_error_the_question_for_it_may_be_refused_or_ignored(error):
+@pytest.mark.parametrize(
+    "error",
+    [[Refusal()], None, [], [error_line("")], [Line(" " * 33)]],
+    ids=["refused", "ignored", "empty", "blank", "36 blank bytes"],
+)
+async def test_without_an_error_the_question_for_it_may_be_refused_ignored_or_blank(error):
     driver = await FakeCounter(A0301=error).connected()
 
     assert (await driver.read()).signal == "good"
@@ -111,8 +116,10 @@ async def test_without_an_error_the_question_for_it_may_be_refused_or_ignored(er
 @pytest.mark.parametrize(
     "value", [[value_line(1234)], [Refusal()], None], ids=["frozen", "refused", "silent"]
 )
-async def test_a_displayed_error_is_never_a_length(value):
-    driver = await FakeCounter(A0301=[error_line("SIGNAL ERROR")], A0200=value).connected()
+@pytest.mark.parametrize("width", [13, 33])
+async def test_a_displayed_error_is_never_a_length(value, width):
+    error = Line("SIGNAL ERROR".ljust(width))
+    driver = await FakeCounter(A0301=[error], A0200=value).connected()
 
     reading = await driver.read()
 
@@ -241,5 +248,5 @@ def test_an_option_that_does_not_fit_is_named(options, said):
 async def test_a_slow_line_is_given_the_time_that_it_needs():
     driver = PLUGIN.open({"serial": "loop://", "baud": 110}, None)
 
-    # 80 characters of 11 bits at 110 baud take 8 s; the loop answers with what was asked, which is no reply
-    assert driver._reply_timeout_s == pytest.approx(9.0)
+    # 90 characters of 11 bits at 110 baud take 9 s; the loop answers with what was asked, which is no reply
+    assert driver._reply_timeout_s == pytest.approx(10.0)

@@ -105,6 +105,12 @@ def test_the_manuals_error_text_is_no_value_and_no_lamps():
     assert encode_reply(error_line(VECTORS["error"]["text"])) == golden
 
 
+@pytest.mark.parametrize("width", [12, 14, 32, 34])
+def test_a_text_of_another_width_is_no_error_text(width):
+    with pytest.raises(NdProtocolError, match="check cable"):
+        reply_kind(Line("SIGNAL ERROR".ljust(width)))
+
+
 def test_the_manuals_display_has_the_point_where_ours_has_it():
     golden = bytes.fromhex(VECTORS["display"]["hex"])
 
