@@ -16,6 +16,8 @@ from truepose_drivers.framing import (
     finite_number,
 )
 
+_LONGEST_SLEEP_S = 1e9  # thirty years
+
 
 class ClockProtocolError(JsonLineError):
     """A line that is no request and no answer of the clock."""
@@ -65,10 +67,9 @@ def decode_request(line: bytes) -> Request:
             return Now()
         case {"op": "sleep", "s": duration}:
             duration_s = _finite(duration, "s")
-            if duration_s < 0.0:
-                raise ClockProtocolError(
-                    f"s is {duration_s}: the clock cannot go back, give 0 or more seconds"
-                )
+            # Beyond that the time of a cell that does not wait would have no end.
+            if not 0.0 <= duration_s <= _LONGEST_SLEEP_S:
+                raise ClockProtocolError(f"s is {duration_s}: give 0 to {_LONGEST_SLEEP_S:g} seconds")
             return Sleep(duration_s)
         case {"op": "sleep"}:
             raise ClockProtocolError('op "sleep" needs the key "s", a duration in seconds')

@@ -22,7 +22,7 @@ def test_requests_and_answers_have_the_published_form():
     assert encode(Refusal("why")) == b'{"error": "why"}\n'
 
 
-@given(message=st.one_of(st.just(Now()), st.floats(0.0, 1e12).map(Sleep)))
+@given(message=st.one_of(st.just(Now()), st.floats(0.0, 1e9).map(Sleep)))
 def test_requests_make_the_round_trip(message):
     assert decode_request(encode(message)) == message
 
@@ -42,6 +42,7 @@ def test_answers_make_the_round_trip(message):
         b'{"op": "stop"}',
         b'{"op": "sleep"}',
         b'{"op": "sleep", "s": -1}',
+        b'{"op": "sleep", "s": 1e300}',
         b'{"op": "sleep", "s": "4"}',
         b'{"op": "sleep", "s": true}',
         b'{"op": "sleep", "s": NaN}',
