@@ -6,7 +6,7 @@ from typing import Literal
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_hid import protocol
-from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
+from truepose_drivers.errors import DeviceRefusedError, DriverError, NoReplyError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
@@ -41,16 +41,10 @@ class HidBallbar:
         """Open the device, ask how long it is and let it send; raises ConnectFailedError."""
         await self._port.open()
         self._last = None
-        async with introduction(self._port), self._turns.turn():
-            try:
-                bar = await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES)
-                self._nominal_mm = protocol.decode_bar(bar).nominal_mm
-                await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=True)))
-            except DeviceRefusedError as error:
-                raise ConnectFailedError(
-                    f"the HID device at {self._port.address} cannot be told to send ({error}):"
-                    " check that it is a ballbar"
-                ) from error
+        async with introduction(self._port, "check that it is a ballbar"), self._turns.turn():
+            bar = await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES)
+            self._nominal_mm = protocol.decode_bar(bar).nominal_mm
+            await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=True)))
 
     async def close(self) -> None:
         """Let the device rest and close it; never raises."""

@@ -30,9 +30,7 @@ from truepose_drivers.arm_motion import (
 )
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
-    ConnectFailedError,
     DeviceRefusedError,
-    LinkError,
     NoReplyError,
     NotInitialisedError,
     TargetRefusedError,
@@ -41,7 +39,7 @@ from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
 from truepose_drivers.fanuc_rmi.motion_segments import LONGEST_PIECE_S, PieceMaker
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, OnePortDevice
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
@@ -112,14 +110,9 @@ class RmiRobot(OnePortDevice):
         """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""
         self._stated, self._exchanges.holds = None, True
         await self._exchanges.open()
-        try:
+        async with introduction(self._link, "check that no other program is connected to the robot"):
             # Joints are told before FRC_Initialize, which would lock the motion group against hand guiding.
             await self._newest_axes()  # those of the first reading must be newer
-        except (LinkError, DeviceRefusedError) as error:
-            await self._link.close()
-            raise ConnectFailedError(
-                f"{error}; check that no other program is connected to the robot"
-            ) from error
 
     async def identify(self) -> DeviceIdentity:
         """Return the interface's version, which is all that it tells of itself."""

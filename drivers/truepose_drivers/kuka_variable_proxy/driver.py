@@ -27,16 +27,11 @@ from truepose_drivers.arm_motion import (
     require_speeds,
 )
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
-from truepose_drivers.errors import (
-    ConnectFailedError,
-    DeviceRefusedError,
-    LinkError,
-    TargetRefusedError,
-)
+from truepose_drivers.errors import DeviceRefusedError, TargetRefusedError
 from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_drivers.kuka_variable_proxy.conversation import Order, Program, VariableProxy
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, OnePortDevice
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
@@ -82,11 +77,8 @@ class KukaRobot(OnePortDevice):
     async def connect(self) -> None:
         """Open the link and see that a robot is behind it; raises ConnectFailedError."""
         await self._proxy.open()
-        try:
+        async with introduction(self._proxy, "check that this is a controller of KUKA"):
             await self._axes_deg()
-        except (LinkError, DeviceRefusedError) as error:
-            await self._proxy.close()
-            raise ConnectFailedError(f"{error}; check that this is a controller of KUKA") from error
 
     async def identify(self) -> DeviceIdentity:
         """Ask for serial number, model and software."""

@@ -4,7 +4,6 @@ import math
 
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
 from truepose_drivers.line_gauges.conversation import decimals as decimals_option
 from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn import protocol
@@ -54,18 +53,12 @@ class UsbItnGauge:
         Raises ConnectFailedError.
         """
         await self._replies.open()
-        async with introduction(self._replies), self._replies.turn():
-            try:
-                # Set the mode, read it back, then ask: the order of the public clients. Mitutoyo publishes
-                # nothing about it, so no step is left out.
-                await self._port.control_out(VENDOR_TO_DEVICE, protocol.SET_MODE, protocol.SERIAL_MODE)
-                await self._port.control_in(VENDOR_FROM_DEVICE, protocol.GET_MODE, 0, 0, 1)
-                await self._ask_device()
-            except (DeviceRefusedError, NoReplyError) as error:
-                raise ConnectFailedError(
-                    f"the device at {self._port.address} does not leave its keyboard mode ({error}):"
-                    " check that it is a USB-ITN cable"
-                ) from error
+        async with introduction(self._replies, "check that it is a USB-ITN cable"), self._replies.turn():
+            # Set the mode, read it back, then ask: the order of the public clients. Mitutoyo publishes
+            # nothing about it, so no step is left out.
+            await self._port.control_out(VENDOR_TO_DEVICE, protocol.SET_MODE, protocol.SERIAL_MODE)
+            await self._port.control_in(VENDOR_FROM_DEVICE, protocol.GET_MODE, 0, 0, 1)
+            await self._ask_device()
 
     async def close(self) -> None:
         """Give the cable back; never raises."""

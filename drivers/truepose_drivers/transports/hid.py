@@ -106,7 +106,7 @@ class HidapiPort(BlockingPort[_OpenDevice]):
             return await self._in_thread(call)
         except (OSError, ValueError) as error:
             raise DeviceRefusedError(
-                f"HID device {self.address} refuses a feature report ({error}): check that it is a ballbar"
+                f"HID device {self.address} refuses a feature report ({error}): plug it in again"
             ) from error
 
     async def _guarded(self, call: Callable[[], Value]) -> Value:

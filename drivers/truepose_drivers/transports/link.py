@@ -14,6 +14,7 @@ from typing import Final, Generic, Protocol, TypeVar
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
+    DeviceRefusedError,
     DriverError,
     LinkError,
     RemoteProtocolError,
@@ -119,16 +120,19 @@ class OnePortDevice:
 
 
 @contextlib.asynccontextmanager
-async def introduction(port: Port) -> AsyncIterator[None]:
+async def introduction(port: Port, advice: str = "") -> AsyncIterator[None]:
     """Let whoever answers say who it is; what goes wrong meanwhile closes the port.
 
-    An open port behind which nobody speaks is no connection: raises ConnectFailedError for its silence.
+    An open port behind which nobody speaks is no connection: raises ConnectFailedError for its silence. Where
+    `advice` says what else it may be, a refusal is no connection either.
     """
     try:
         yield
-    except LinkError as error:
+    except (LinkError, DeviceRefusedError) as error:
         await port.close()
-        raise ConnectFailedError(str(error)) from error
+        if isinstance(error, DeviceRefusedError) and not advice:
+            raise
+        raise ConnectFailedError(f"{error}; {advice}" if advice else str(error)) from error
     except DriverError:
         await port.close()
         raise

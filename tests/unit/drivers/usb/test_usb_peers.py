@@ -19,6 +19,7 @@ from truepose_drivers.ballbar_hid.protocol import (
     encode_reading,
     report_descriptor,
 )
+from truepose_drivers.errors import ConnectFailedError
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
 from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
 from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
@@ -137,5 +138,5 @@ async def test_a_device_of_the_other_implementation_that_is_no_cable_is_told():
     with plugged(keyboard) as port:
         driver = USB_ITN.open({"host": "127.0.0.1", "port": port}, None)
 
-        with pytest.raises(Exception, match="keyboard mode"):
+        with pytest.raises(ConnectFailedError, match="check that it is a USB-ITN cable"):
             await driver.connect()
