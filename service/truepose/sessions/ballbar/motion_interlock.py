@@ -7,8 +7,6 @@ joints and limits, before every segment of the way.
 """
 
 import asyncio
-from collections.abc import Iterator
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -182,7 +180,7 @@ class InterlockedMotion:
             await self._require_same_robot()
             # Asked of the arm and not of the ledger: it may have been halted anywhere on the way.
             left = await self._left_of((*step.via_rad, step.target_rad))
-            self._ways.take(self._planned())
+            await self._require_planned_ways(step)
             self._rest.forget()
             await self._require_ballbar_off()
             self._readings.evidence.watch_motion()
@@ -218,10 +216,12 @@ class InterlockedMotion:
                 return left
         return way
 
-    def _planned(self) -> Iterator[tuple[Joints, Joints]]:
+    async def _require_planned_ways(self, step: BallbarStep) -> None:
+        """Look at the planned ways ahead, by what the cell forbids now; raises WayNotClearError."""
         now = self._logbook.situation
+        name = message("room.way.steps", begin=now.last_stop or step.id, end=step.id)
         for course in (now.course, *now.halted):
-            yield from pairwise(course)
+            await self._ways.require_planned(course, name)
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
         reading = await self._rest.look()

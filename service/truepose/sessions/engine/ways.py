@@ -8,12 +8,13 @@ is looked at before it is gone: where nothing touches, it is gone; else a person
 import asyncio
 import math
 from collections.abc import Awaitable, Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.messages.message import Text, is_said_in, message
+from truepose.messages.message import Message, Text, is_said_in, message
 from truepose.planning.workspace.bodies import CellBodies
 from truepose.planning.workspace.path_clearance import Ways, path_warnings
 from truepose.sessions.errors import WayNotClearError
@@ -41,10 +42,6 @@ class KnownWays:
         self._known: set[tuple[Joints, Joints]] = set()
         self._told: tuple[Text, Ways] | None = None  # what touches, on which ways
 
-    def take(self, ways: Iterable[tuple[Joints, Joints]]) -> None:
-        """Take ways that were looked at when the session was planned."""
-        self._known.update(ways)
-
     async def what_to_watch(self, ways: Ways) -> Text:
         """Look at ways that come next; return what whoever lets the arm go them has to be told.
 
@@ -54,13 +51,26 @@ class KnownWays:
         if found:
             self._told = found, ways
         else:
-            self.take(_ends(ways))
+            self._known.update(_ends(ways))
         return found
+
+    async def require_planned(self, places: Sequence[Joints], name: Message) -> None:
+        """Look at planned ways from each of some places to the next, once in a run.
+
+        Raises WayNotClearError where something touches, for one by the limits that the cell has by now.
+        """
+        new = [way for way in pairwise(places) if way not in self._known]
+        if not new:
+            return
+        start_rad, end_rad = np.swapaxes(np.array(new), 0, 1)
+        found = await self.what_to_watch(Ways((name,) * len(new), start_rad, end_rad))
+        if found:
+            raise WayNotClearError(found)
 
     def confirm(self, question: Text) -> None:
         """Take what a person was told in a question that they have answered; forget what was not said."""
         if self._told is not None and is_said_in(self._told[0], question):
-            self.take(_ends(self._told[1]))
+            self._known.update(_ends(self._told[1]))
         self._told = None
 
     async def require(self, start_rad: Joints, end_rad: Joints, allowed_rad: float) -> bool:
@@ -81,7 +91,7 @@ class KnownWays:
             told = message("session.way.unplanned", warning=found)
             self._told = told, ways
             raise WayNotClearError(told)
-        self.take(_ends(ways))
+        self._known.update(_ends(ways))
         return True
 
     def _is_known(self, start_rad: Joints, end_rad: Joints, allowed_rad: float) -> bool:

@@ -1,7 +1,6 @@
 """The arm goes straight ways that were looked at, and others only after a look or a word of a person."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from truepose.sessions.errors import WayNotClearError
 
 A, B, C, D = (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)
 TOUCHES = message("room.be_ready")
+NAME = message("room.end.here")
 
 
 class Eyes:
@@ -49,10 +49,10 @@ def ways_of(*places):
 async def test_a_way_is_known_where_it_lies_on_one_that_was_looked_at(start, end, is_known):
     eyes = Eyes()
     ways = KnownWays(eyes.look)
-    ways.take(pairwise((A, B, C)))
+    await ways.require_planned((A, B, C), NAME)
 
     assert await ways.require(start, end, 0.01) is not is_known
-    assert eyes.seen == ([] if is_known else [(start, end)])
+    assert eyes.seen == [(A, B), (B, C)] + ([] if is_known else [(start, end)])
 
 
 async def test_a_clear_way_is_looked_at_once():
@@ -61,6 +61,19 @@ async def test_a_clear_way_is_looked_at_once():
 
     assert [await ways.require(A, B, 0.01) for _ in range(2)] == [True, False]
     assert eyes.seen == [(A, B)]
+
+
+async def test_planned_ways_are_looked_at_once_and_refused_where_something_touches():
+    eyes = Eyes(blocked=(C,))
+    ways = KnownWays(eyes.look)
+    await ways.require_planned((A, B), NAME)
+    with pytest.raises(WayNotClearError) as refused:
+        await ways.require_planned((A, B, C), NAME)
+
+    ways.confirm(refused.value.text)
+    await ways.require_planned((A, B, C), NAME)
+
+    assert eyes.seen == [(A, B), (B, C)]
 
 
 async def test_ways_that_were_looked_at_ahead_are_known():

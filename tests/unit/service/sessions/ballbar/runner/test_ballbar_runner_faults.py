@@ -11,6 +11,7 @@ from tests.unit.service.sessions.ballbar.sessions import found, joints, make_pla
 from truepose.domain.errors import UnderdeterminedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
+from truepose.messages.message import message
 from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import (
     NotNowError,
@@ -145,6 +146,30 @@ async def test_a_way_on_which_the_arm_was_halted_is_gone_on_with_from_there():
         await bench.do()
 
         assert bench.robot.moves[before:] == [*stops, joints(1)]
+
+
+async def test_a_planned_way_on_which_something_touches_by_now_waits_for_a_person_who_was_told():
+    blocked = joints(1.5)
+
+    async def look(ways):
+        return message("room.be_ready") if blocked in map(tuple, ways.end_rad.tolist()) else ""
+
+    bench = Bench(PLAN)
+    bench.cell = replace(bench.cell, look_at_ways=look)
+    bench.runner = bench._runner()
+    async with bench:
+        await bench.start()
+        await bench.until("placement-1/pose-1/move")
+        before = len(bench.robot.moves)
+
+        await bench.do()
+
+        assert bench.now.state is SessionState.AWAITING_CONFIRMATION
+        assert "Be ready to stop the arm" in english(bench.now.question)
+        assert len(bench.robot.moves) == before
+        await bench.press(CommandName.CONFIRM)
+        await bench.do()
+        assert bench.robot.moves[before:] == [blocked, joints(1)]
 
 
 async def test_a_halt_that_is_asked_for_while_a_motion_is_being_confirmed_comes_first():
