@@ -18,8 +18,9 @@ from truepose_drivers.registry import load_registry
 FOLDER: Final = Path(__file__).parents[2] / "docs" / "reference"
 
 _COMMANDS_INTRODUCTION: Final = (
-    "Options are explained by `truepose COMMAND --help`, which also gives an example. Exit status: 0 done, "
-    '1 the answer is "no", 2 unusable input, 3 a device or the service failed, 130 interrupted.'
+    "Arguments and required options; `truepose COMMAND --help` explains all options with an example. "
+    'Exit status: 0 done, 1 the answer is "no", 2 unusable input, 3 a device or the service failed, '
+    "130 interrupted."
 )
 _EFFECTS_INTRODUCTION: Final = (
     "The names that `--effects` takes. A diagnosis looks for those with an amplitude; [simulated cells]"
@@ -64,36 +65,34 @@ def _commands() -> Iterator[str]:
 
 
 def _command_row(name: str, command: Any) -> tuple[str, str]:
-    words = ["|".join(getattr(command, "commands", ())), *map(_usage, command.params)]
-    usage = " ".join(["truepose", name, *filter(None, words)]).replace("|", "\\|")
+    parts = ["|".join(getattr(command, "commands", ())), *(_usage(p) for p in command.params if _is_shown(p))]
+    usage = " ".join(["truepose", name, *filter(None, parts)]).replace("|", "\\|")
     return f"`{usage}`", str(command.help).strip().splitlines()[0]
+
+
+def _is_shown(parameter: Any) -> bool:
+    return bool(parameter.required or parameter.param_type_name == "argument")
 
 
 def _usage(parameter: Any) -> str:
     named = parameter.param_type_name == "option"
-    shown = str(parameter.opts[0]) if named else str(parameter.name).upper()
+    shown = f"{parameter.opts[0]} {_value(parameter)}" if named else str(parameter.name).upper()
     return shown if parameter.required else f"[{shown}]"
+
+
+def _value(option: Any) -> str:
+    return str(option.opts[0]).removeprefix("--").upper()
 
 
 def _effects() -> Iterator[str]:
     named = {name: effect for name, effect in EFFECTS.items() if not isinstance(effect, Unnamed)}
     rows = (_effect_row(name, effect) for name, effect in sorted(named.items()))
-    return _table(("effect", "parameters", "acts on", "over", "amplitude"), rows)
+    return _table(("effect", "parameters", "amplitude"), rows)
 
 
 def _effect_row(name: str, effect: Any) -> tuple[str, ...]:
-    signature = getattr(effect, "signature", None) if name in CAUSES else None
-    described = str(type(effect).__doc__).splitlines()[0]
-    if signature is None:
-        return f"`{name}`", described, "", "", ""
-    subject = signature.plural or signature.at
-    return (
-        f"`{name}`",
-        described,
-        signature.where.format(subject=subject, variant=0),
-        signature.over.replace("{subject}", subject).replace("joint {variant:g}", "another joint"),
-        signature.amplitude,
-    )
+    described = str(type(effect).__doc__).splitlines()[0].rstrip(".")
+    return f"`{name}`", described, effect.signature.amplitude if name in CAUSES else ""
 
 
 def _drivers() -> Iterator[str]:
