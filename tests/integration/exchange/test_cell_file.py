@@ -16,6 +16,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
+from truepose_drivers.registry import load_registry
 
 EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 REAL, SIMULATED = (
@@ -52,6 +53,18 @@ def test_the_example_of_a_real_cell_is_read_whole(tmp_path):
     assert cell.tool.serial_number == "TA-07"
     assert cell.world.certificate.startswith("CMM report")
     assert cell.simulated is None
+
+
+def test_the_example_gauges_are_devices_that_their_drivers_open(tmp_path):
+    gauges = (EXAMPLES / "gauges.toml").read_text(encoding="utf-8")
+
+    cell = read(tmp_path, f'robot = "abb-irb-120"\n{gauges}')
+
+    drivers = load_registry()
+    kinds = [drivers.kind(device.driver, device.use) for device in cell.devices]
+    assert kinds == ["linear_gauge", "linear_gauge", "ballbar"]
+    for device in cell.devices:
+        assert drivers.open(device.driver, device.options, use=device.use) is not None
 
 
 def test_the_example_of_a_simulated_cell_is_read_whole(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.helpers.checkout import CHECKOUT
 from truepose.domain.cell import Box, Cylinder, HalfSpace, KeepOuts
 from truepose.exchange.cells.file import read_cell
 from truepose.exchange.cells.volumes import read_keep_out_file
@@ -27,6 +28,12 @@ def written(folder, text, name="keep-outs.toml"):
 
 def test_a_box_a_cylinder_and_a_half_space(tmp_path):
     assert read_keep_out_file(written(tmp_path, WALL + BOX + POST)) == READ
+
+
+def test_the_example_has_one_of_each_kind():
+    read = read_keep_out_file(CHECKOUT / "docs" / "examples" / "keep-out.toml")
+
+    assert read.names == ("conveyor", "lamp post", "wall")
 
 
 def test_a_box_as_json(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.helpers.checkout import CHECKOUT
 from truepose.exchange.cells.volumes import read_volume
 from truepose.exchange.errors import InputFileError, MissingEntryError
 
@@ -22,6 +23,13 @@ def test_a_box_and_ranges_of_joints(tmp_path):
 
     assert volume.box_mm == ((300.0, 600.0), (-200.0, 200.0), (100.0, 400.0))
     assert [limit.upper_rad for limit in volume.ranges] == pytest.approx([np.pi / 2] * 6)
+
+
+def test_the_example_is_a_box_and_ranges_of_joints():
+    volume = read_volume(CHECKOUT / "docs" / "examples" / "work-volume.toml", 6)
+
+    assert volume.box_mm == ((300.0, 600.0), (-200.0, 200.0), (100.0, 400.0))
+    assert len(volume.ranges) == 6
 
 
 def test_a_box_alone_as_json(tmp_path):
