@@ -12,7 +12,10 @@ from mkdocs.structure.pages import Page
 import truepose
 
 _REPOSITORY = Path(__file__).parents[2]
-_BESIDE = ("CHANGELOG.md", "service/**/README.md", "drivers/**/README.md", "simulators/**/README.md", "tests/**/README.md")
+_BESIDE = (
+    "CHANGELOG.md",
+    *(f"{package}/**/README.md" for package in ("service", "drivers", "simulators", "tests")),
+)
 _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
 _FENCE, _ITEM = re.compile(r"\s*```"), re.compile(r"(-|\d+\.) ")
 _NAMES = "names.md"
