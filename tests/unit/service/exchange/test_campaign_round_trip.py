@@ -6,7 +6,7 @@ from datetime import date
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -117,8 +117,9 @@ nests = st.tuples(
 placements = st.none() | st.builds(FramePlacement, lengths, lengths, lengths, angles, angles, angles)
 
 
+@settings(max_examples=50)
 @given(points, nests, placements, st.booleans())
-def test_a_tracker_campaign_reads_back_equal(calibration, tool_nests, base, repeatability_included):
+def test_a_tracker_campaign_reads_back_equal_twice(calibration, tool_nests, base, repeatability_included):
     campaign = make_campaign(
         calibration=calibration,
         nests=tool_nests,
@@ -132,15 +133,7 @@ def test_a_tracker_campaign_reads_back_equal(calibration, tool_nests, base, repe
 
     # Revisits drawn at random seldom have the joints of what they repeat, which reading says.
     assert_equal(campaign, dataclasses.replace(again, ignored=()))
-
-
-@given(points)
-def test_a_second_round_trip_changes_nothing(calibration):
-    once = written_and_read(make_campaign(calibration=calibration, nests=(Nest(None), Nest(None))))
-
-    files = campaign_files(once)
-
-    assert campaign_files(written_and_read(once)) == files
+    assert campaign_files(written_and_read(again)) == campaign_files(again)
 
 
 def test_a_ballbar_campaign_reads_back_equal():

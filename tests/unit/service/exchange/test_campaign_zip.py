@@ -24,6 +24,12 @@ def members(prefix=""):
     return [(prefix + name, text) for name, text in campaign_files(make_campaign()).items()]
 
 
+def claiming(size, content, number=1):
+    """An archive with further members whose directory says that they are of another size."""
+    data = archive([*members(), *((f"{k}.bin", content) for k in range(number))])
+    return data.replace(len(content).to_bytes(4, "little"), size.to_bytes(4, "little"))
+
+
 def test_a_campaign_survives_the_zip():
     campaign = make_ballbar_campaign()
 
@@ -58,7 +64,7 @@ def test_a_member_that_is_there_twice_is_refused():
 
 
 def test_an_archive_that_claims_to_be_huge_is_refused_unread():
-    data = archive([*members(), *((f"{k}.bin", b"\0" * 2**26) for k in range(5))])  # 320 MB in 0.3 MB
+    data = claiming(2**26, b"\0" * 54_321, number=5)
 
     with pytest.raises(UnsafeArchiveError, match="exceeds 256 MB"):
         read_campaign_zip(data)
