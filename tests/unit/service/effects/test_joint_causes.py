@@ -352,3 +352,16 @@ def test_waves_are_looked_for_up_to_twice_the_gear_and_in_the_joints_own_turn_at
     tried = orders(replace(scene, setting=scene.setting._replace(robot=robot)), 0)
 
     assert tried == tuple(range(1, highest + 1))
+
+
+@pytest.mark.parametrize(("gain", "words"), [(3e-4, "too far"), (-3e-4, "not far enough")])
+def test_a_gain_tells_its_way_over_what_was_measured(gain, words):
+    scene = scene_for("joint_gain")
+
+    shown = CAUSES["joint_gain"].describe("joint 2", fitted(("gain_2", gain), spread=1e-5), scene)
+
+    values = dict(shown.sentence.values)
+    assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (gain, "1", pytest.approx(1e-5))
+    assert values["share"] == pytest.approx(3e-4)
+    assert values["way_deg"] == pytest.approx(np.degrees(np.ptp(scene.turn_rad[:, 1])) * 3e-4)
+    assert words in english(shown.sentence)
