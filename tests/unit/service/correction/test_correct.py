@@ -1,6 +1,6 @@
 """Corrected joint targets against the forward model, whose own truth is the simulator's affair."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -19,12 +19,14 @@ from truepose.correction import (
     ANY_BRANCH,
     FLANGE,
     Goals,
+    Summary,
     correct,
     flange_in_base,
     goals_of_joints,
     of_poses,
     tool_nests_mm,
 )
+from truepose.correction.results import Corrections
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
@@ -342,3 +344,61 @@ def test_how_far_joints_turn_from_the_controllers_own_answer_is_told():
 
     assert np.nanmax(few) < 0.05
     assert np.nanmax(many) > 0.2
+
+
+def rows(status, **columns):
+    """Rows of two joints; what is not said is nothing."""
+    n = len(status)
+    usual = {field.name: np.zeros(n) for field in fields(Corrections)}
+    usual |= {name: np.zeros((n, 2)) for name in ("joints_rad", "outside_rad", "beyond_limit_rad")}
+    return Corrections(**usual | {"status": np.array(status)} | columns)
+
+
+def test_a_summary_counts_rows_over_several_parts():
+    summary = Summary()
+    far = np.radians([5.1, 4.9, 90.0])
+    summary.add(
+        ["A", "B", "C"],
+        rows(
+            ["ok", "limits_unknown", "out_of_reach"],
+            error_mm=np.array([1e-4, 3e-4, 9.0]),
+            uncertainty_mm=np.array([0.02, 0.05, 9.0]),
+            moved_rad=far,
+            outside_mm=np.array([0.0, 7.0, 99.0]),
+        ),
+    )
+    summary.add(
+        ["D", "E"],
+        rows(
+            ["ok", "singular"],
+            uncertainty_mm=np.array([0.05, 0.0]),
+            moved_rad=np.array([np.nan, 0.0]),
+            outside_rad=np.array([[0.0, 0.3], [0.0, 0.0]]),
+        ),
+    )
+
+    totals = summary.totals
+
+    assert totals.statuses == {"ok": 2, "limits_unknown": 1, "out_of_reach": 1, "singular": 1}
+    assert (totals.targets, totals.solved) == (5, 3)
+    assert totals.failed == (("C", "out_of_reach"), ("E", "singular"))
+    assert totals.largest_error_mm == 3e-4
+    assert totals.mean_uncertainty_mm == pytest.approx(0.04)
+    assert totals.largest_uncertainty_mm == 0.05
+    assert (totals.far_moved, totals.largest_move_rad) == (1, far[0])
+    assert (totals.outside, totals.farthest_outside_mm, totals.farthest_outside_rad) == (2, 7.0, 0.3)
+    assert totals.zone_known
+
+
+def test_a_summary_names_the_first_hundred_that_failed_and_says_where_no_zone_is_known():
+    summary = Summary()
+    for part in range(3):
+        summary.add([f"{part}-{k}" for k in range(60)], rows(["singular"] * 60))
+    summary.add(["last"], rows(["ok"], outside_mm=np.array([np.nan])))
+
+    totals = summary.totals
+
+    assert len(totals.failed) == 100
+    assert totals.failed[-1] == ("1-39", "singular")
+    assert not totals.zone_known
+    assert totals.outside == 0
