@@ -3,8 +3,8 @@
 `python -m tests.helpers.reference_pages` writes `docs/reference`; a test holds the pages to the code.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby, starmap
 from pathlib import Path
 from typing import Any, Final
 
@@ -57,11 +57,11 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _commands() -> Iterator[str]:
-    commands = typer.main.get_group(application()).commands
-    for step, of_step in groupby(commands.items(), lambda one: one[1].rich_help_panel):
-        yield from (f"## {step}", "")
-        yield from _table(("command", "does"), (_command_row(*one) for one in of_step))
-        yield ""
+    found: Mapping[str, Any] = typer.main.get_group(application()).commands
+    steps = list(dict.fromkeys(command.rich_help_panel for command in found.values()))
+    in_order = sorted(found.items(), key=lambda named: steps.index(named[1].rich_help_panel))
+    for step, named in groupby(in_order, key=lambda named: named[1].rich_help_panel):
+        yield from (f"## {step}", "", *_table(("command", "does"), starmap(_command_row, named)), "")
 
 
 def _command_row(name: str, command: Any) -> tuple[str, str]:
