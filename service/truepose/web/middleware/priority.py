@@ -25,6 +25,8 @@ _FREE_BYTES: Final = 64 * 1024  # of each body; an act or a pause is always rece
 _BODIES_BYTES: Final = 128 * 2**20  # of all bodies together
 # What halts a session has to be among these; a test holds all patterns against the routes (decision 0022).
 _URGENT: Final = re.compile(r"/health|/api/v1/sessions/[^/]+/commands")
+# In the body of a command. A place that is given to another one by mistake is still a place.
+_HALTS: Final = re.compile(rb'"command"\s*:\s*"(pause|stop|abort)"')
 _STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/sessions/[^/]+/live|/watch/[^/]+/live")
 _DRAWN: Final = re.compile(
     r"/corrections/[^/]+|/reports/[^/]+/[^/]+|/sessions/[^/]+/result"
@@ -78,6 +80,7 @@ class ConcurrencyLimits:
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
+        self._halting = _Lane(16, 64)  # not behind commands that wait for a disk that does not answer
         self._urgent = _Lane(16, 64)
         self._ordinary = _Lane(16, 240)
         # Of streams about half the connections that fit into a process; of drawings what its lock allows.
@@ -93,32 +96,32 @@ class ConcurrencyLimits:
             return
         held: list[int] = []
         try:
-            body = await self._body(receive, held)
-            async with self._lane(scope["path"]).place():
-                await self._app(scope, body, send)
+            first = await self._whole(receive, held)
+            async with self._lane(scope["path"], first.get("body", b"")).place():
+                await self._app(scope, _handing_on(first, receive), send)
         except _FullError:
             answer = problem_response(Request(scope), 503, _FULL, {"Retry-After": str(_AGAIN_S)})
             await answer(scope, receive, send)
         finally:
             self._bodies_bytes -= sum(held)
 
-    def _lane(self, path: str) -> _Lane:
+    def _lane(self, path: str, body: bytes) -> _Lane:
         if _URGENT.fullmatch(path):
-            return self._urgent
+            return self._halting if _HALTS.search(body[:_FREE_BYTES]) else self._urgent
         if _STREAMS.fullmatch(path):
             return self._streams
         if _COLLECTED.fullmatch(path):
             return self._collected
         return self._drawn if _DRAWN.fullmatch(path) else self._ordinary
 
-    async def _body(self, receive: Receive, held: list[int]) -> Receive:
-        """Receive the whole body and return what hands it on; counts in `held`; raises _FullError."""
+    async def _whole(self, receive: Receive, held: list[int]) -> Message:
+        """Return a request with its whole body, or that it has ended; counts in `held`; raises _FullError."""
         received = bytearray()
         more = True
         while more:
             part = await receive()
             if part["type"] != "http.request":
-                return _handing_on(part, receive)
+                return part
             received += part.get("body", b"")
             more = part.get("more_body", False)
             if len(received) > _FREE_BYTES:
@@ -126,7 +129,7 @@ class ConcurrencyLimits:
                 self._bodies_bytes += held[-1]
                 if self._bodies_bytes > _BODIES_BYTES:
                     raise _FullError
-        return _handing_on({"type": "http.request", "body": bytes(received), "more_body": False}, receive)
+        return {"type": "http.request", "body": bytes(received), "more_body": False}
 
 
 def _handing_on(first: Message, receive: Receive) -> Receive:

@@ -9,6 +9,7 @@ from fastapi.responses import StreamingResponse
 
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.routes import paths_answering, paths_of, routes_alone
+from truepose.sessions.engine.commands import HALTS
 from truepose.web.middleware import priority
 from truepose.web.middleware.priority import ConcurrencyLimits
 
@@ -17,16 +18,16 @@ PAUSE, LOOK = "/api/v1/sessions/1/commands", "/api/v1/sessions"
 
 
 class Held:
-    """An application whose ordinary requests last until they are let go."""
+    """An application whose requests last until they are let go, but for health and for most commands."""
 
     def __init__(self):
         self.go = asyncio.Event()
         self.under_way = 0
 
     async def __call__(self, scope, receive, send):
-        await receive()
+        body = (await receive())["body"]
         self.under_way += 1
-        if scope["path"] not in (PAUSE, "/health"):
+        if scope["path"] not in (PAUSE, "/health") or b"confirm" in body:
             await self.go.wait()
         self.under_way -= 1
         await send({"type": "http.response.start", "status": 200, "headers": []})
@@ -79,6 +80,17 @@ async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, askin
     assert len(refused) == 400 - 16
     assert {task.result().status_code for task in refused} == {503}
     assert all(task.result().headers["retry-after"] for task in refused)
+
+
+@pytest.mark.parametrize("command", HALTS)
+async def test_commands_that_wait_for_the_disk_keep_no_halt_waiting(client, held, asking, command):
+    asking(PAUSE, 80, json={"command": "confirm"})
+    while held.under_way < 16:
+        await asyncio.sleep(0)
+
+    halted = await asyncio.wait_for(client.post(PAUSE, json={"command": command}), HANGS_S)
+
+    assert halted.status_code == 200
 
 
 async def test_those_that_wait_are_answered_when_it_is_their_turn(held, asking):
