@@ -285,6 +285,7 @@ async def open_people(
         yield PeopleService(accounts, Leases(elapsed_s), acts, log, Guesses(elapsed_s))
     finally:
         revoking.cancel()
+        await asyncio.wait({revoking})
         log.end()
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(PATIENCE_S):
