@@ -2,6 +2,7 @@
 
 import os
 import socket
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,6 +46,9 @@ NAMED_PIPES = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipe is a
 UNIX_SOCKETS = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no socket is a file here")
 DEVICE_FILES = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no device is a file here")
 POSIX_MODES = pytest.mark.skipif(os.name != "posix", reason="Windows knows no such modes")
+TIME_ZONES = pytest.mark.skipif(
+    not hasattr(time, "tzset"), reason="no process has a time zone of its own here"
+)
 KILLING_SIGNALS = pytest.mark.skipif(os.name != "posix", reason="no signal kills a process of Windows")
 FOLDERS_IN_MEMORY = pytest.mark.skipif(not hasattr(os, "ST_NOEXEC"), reason="no folder in memory here")
 _MEMORY: Final = Path("/dev/shm")

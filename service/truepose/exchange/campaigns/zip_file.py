@@ -27,7 +27,7 @@ from truepose.exchange.document import GREATEST_BYTES, read_bytes
 from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
 
 T = TypeVar("T")
-_TOTAL_LIMIT_BYTES = 256 * 2**20
+TOTAL_LIMIT_BYTES = 256 * 2**20
 _MEMBER_LIMIT = 1000
 _ENTRY = b"PK\x01\x02"  # begins a member in the directory at the archive's end
 _GREATEST_RATIO = 200  # text of readings shrinks to a fifth, the same row over and over to a hundredth
@@ -138,8 +138,8 @@ def _all_content(archive: zipfile.ZipFile, name: str) -> dict[str, bytes]:
     for path, member in members.items():
         files[path] = _content(archive, member, name)
         total += len(files[path])
-        if total > _TOTAL_LIMIT_BYTES:  # whatever its directory claims
-            raise UnsafeArchiveError(f"the content exceeds {_TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
+        if total > TOTAL_LIMIT_BYTES:  # whatever its directory claims
+            raise UnsafeArchiveError(f"the content exceeds {TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
     return files
 
 
@@ -150,8 +150,8 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
         raise UnsafeArchiveError(
             f"{len(entries)} members are more than the {_MEMBER_LIMIT} allowed", file=name
         )
-    if sum(entry.file_size for entry in entries) > _TOTAL_LIMIT_BYTES:
-        raise UnsafeArchiveError(f"the content exceeds {_TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
+    if sum(entry.file_size for entry in entries) > TOTAL_LIMIT_BYTES:
+        raise UnsafeArchiveError(f"the content exceeds {TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
     members: dict[str, zipfile.ZipInfo] = {}
     for entry in entries:
         # Nothing is unpacked to disk here. But the archive is stored as it came, and whoever downloads it may
@@ -160,14 +160,15 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
             raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
         # Which of two members of one name is taken differs between programs: what one has checked another
         # would read.
-        if entry.filename in members:
+        path = str(PurePosixPath(entry.filename))  # some programs write ./ before each
+        if path in members:
             raise UnsafeArchiveError(f"member {entry.filename!r} is there twice", file=name)
         if entry.file_size > max(_SMALL_BYTES, _GREATEST_RATIO * entry.compress_size):
             raise UnsafeArchiveError(
                 f"member {entry.filename!r} expands more than {_GREATEST_RATIO}-fold", file=name
             )
         if not entry.is_dir():
-            members[entry.filename] = entry
+            members[path] = entry
     return members
 
 

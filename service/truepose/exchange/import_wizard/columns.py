@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from truepose.exchange.import_wizard.sheet import Sheet, is_blank, is_number
 
 _SIGNS: Final = {"+": 1.0, "-": -1.0, "pos": 1.0, "neg": -1.0, "positive": 1.0, "negative": -1.0}
 _CLOCK: Final = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d+)?))?")
+_DAY_S: Final = 86_400.0
 _NUMBER_AT_END: Final = re.compile(r"(.*?)(\d{1,9})")
 Cells = npt.NDArray[Any]  # floats; or objects where a cell is no number, which then is there as it stood
 
@@ -83,11 +84,18 @@ def _require_whole(sheet: Sheet) -> None:
 
 
 def _of_point(sheet: Sheet, meanings: Sequence[ColumnMeaning], point: int) -> dict[str, Cells]:
-    return {
-        meaning.column: _column(sheet, at, meaning)
-        for at, meaning in enumerate(meanings)
-        if meaning.quantity != NOTHING and meaning.point in {0, point}
-    }
+    found: dict[str, Cells] = {}
+    for at, meaning in enumerate(meanings):
+        if meaning.quantity != NOTHING and meaning.point in {0, point}:
+            if meaning.column in found:
+                raise BadValueError(
+                    "two columns are taken for this one; keep one, and take the other for nothing",
+                    file=sheet.name,
+                    line=sheet.header_line,
+                    column=meaning.column,
+                )
+            found[meaning.column] = _column(sheet, at, meaning)
+    return found
 
 
 def _column(sheet: Sheet, at: int, meaning: ColumnMeaning) -> Cells:
@@ -130,13 +138,26 @@ def labels_of(sheet: Sheet, at: int) -> tuple[str, ...]:
 
 def _seconds(cells: Sequence[str]) -> list[str]:
     """Return moments of a clock or a calendar as seconds since the first one."""
-    moments = [_moment(cell) for cell in cells]
+    moments = _without_midnights([_moment(cell) for cell in cells], cells)
     first = next((moment for moment in moments if moment is not None), None)
     if first is None:
         return list(cells)
     return [
         cell if moment is None else repr(moment - first) for cell, moment in zip(cells, moments, strict=True)
     ]
+
+
+def _without_midnights(moments: Sequence[float | None], cells: Sequence[str]) -> list[float | None]:
+    """Return moments of a clock that goes on behind midnight; readings may stand a little out of order."""
+    found: list[float | None] = []
+    days, before = 0, None
+    for moment, cell in zip(moments, cells, strict=True):
+        clock = None if moment is None or _CLOCK.fullmatch(cell) is None else moment
+        if clock is not None and before is not None and abs(clock - before) > _DAY_S / 2:
+            days += 1 if clock < before else -1
+        before = before if clock is None else clock
+        found.append(moment if clock is None else clock + days * _DAY_S)
+    return found
 
 
 def _moment(cell: str) -> float | None:
@@ -147,9 +168,12 @@ def _moment(cell: str) -> float | None:
     if ":" not in cell and cell.count("-") != 2:
         return None
     try:
-        return datetime.fromisoformat(cell).timestamp()
+        moment = datetime.fromisoformat(cell)
     except ValueError:
         return None
+    # Where the service stands says nothing of where the cell stands; and a zone of its own could put its
+    # clock back during the readings.
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
 def join_readings(parts: Sequence[ImportedTable]) -> ImportedTable:

@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from typing import Final
 
 from truepose.exchange.campaigns.folder import DESCRIPTION
-from truepose.exchange.campaigns.zip_file import read_zip_files
+from truepose.exchange.campaigns.zip_file import TOTAL_LIMIT_BYTES, read_zip_files
 from truepose.exchange.errors import InputFileError, UnreadableFileError, UnsafeArchiveError
 from truepose.exchange.import_wizard.dialogue import Choices, Kind
 from truepose.exchange.import_wizard.sheet import Sheet, decode_text, lines_of, read_sheet
@@ -44,11 +44,16 @@ def unpack_files(files: Mapping[str, bytes]) -> dict[str, bytes]:
         for member, content in inside.items():
             if not _hidden(member):
                 found |= _tables_of(_free_name(_plain(member), found), content, found)
-    if len(found) > MOST_FILES:
-        raise UnsafeArchiveError(
-            f"{len(found)} files are more than the {MOST_FILES} that are read", file="upload"
-        )
+                _require_few(found)
     return found
+
+
+def _require_few(found: Mapping[str, bytes]) -> None:
+    # As they come: of archives each is within its limits, and all of them need not be.
+    if len(found) > MOST_FILES:
+        raise UnsafeArchiveError(f"more than the {MOST_FILES} files that are read", file="upload")
+    if sum(map(len, found.values())) > TOTAL_LIMIT_BYTES:
+        raise UnsafeArchiveError(f"the content exceeds {TOTAL_LIMIT_BYTES // 2**20} MB", file="upload")
 
 
 def _tables_of(name: str, data: bytes, taken: Mapping[str, bytes]) -> dict[str, bytes]:

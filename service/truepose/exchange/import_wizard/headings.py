@@ -184,6 +184,7 @@ NAMED_JOINTS: Final = {
 }
 
 
+_LONGEST: Final = 200  # characters of a name that are looked at
 _SIGN: Final = re.compile(r"[a-z]+|\d+")
 _IN_BRACKETS: Final = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
 
@@ -227,6 +228,7 @@ def series(name: str) -> tuple[str, int] | None:
 
 def _taken_apart(name: str) -> tuple[list[str], str]:
     """Return the words and numbers of a name, and the unit that it says."""
+    name = name[:_LONGEST]
     bracketed = _IN_BRACKETS.search(name)
     unit = unit_of(bracketed[1].split("/")[0]) if bracketed else ""
     bare = _IN_BRACKETS.sub(" ", name) if unit else name

@@ -20,7 +20,7 @@ from truepose.exchange.import_wizard.columns import (
 )
 from truepose.exchange.import_wizard.dialogue import Choices
 from truepose.exchange.import_wizard.files import Piece
-from truepose.exchange.import_wizard.headings import ColumnMeaning
+from truepose.exchange.import_wizard.headings import MEANS_NOTHING, ColumnMeaning
 from truepose.exchange.import_wizard.sheet import Sheet
 from truepose.exchange.quantities import limits_of
 from truepose.exchange.tables.fields import NO_REPEAT, SAME_JOINTS_DEG
@@ -133,10 +133,14 @@ def detected_tables(pieces: Sequence[Piece], choices: Choices) -> tuple[Detected
 
 def _columns(sheet: Sheet, choices: Choices) -> tuple[tuple[Guess, ...], frozenset[int]]:
     chosen = choices.of(sheet.name).columns
-    guesses = [
-        Guess(chosen[at], "certain", message("bring.why.said")) if at in chosen else guess
-        for at, guess in enumerate(guess_columns(sheet))
-    ]
+    said = {replace(meaning, unit="") for meaning in chosen.values()} - {MEANS_NOTHING}
+    guesses = []
+    for at, guess in enumerate(guess_columns(sheet)):
+        if at in chosen:
+            guess = Guess(chosen[at], "certain", message("bring.why.said"))
+        elif replace(guess.meaning, unit="") in said:
+            guess = Guess(MEANS_NOTHING, "likely", message("bring.why.second"))
+        guesses.append(guess)
     return tuple(guesses), frozenset(chosen)
 
 

@@ -87,3 +87,9 @@ def test_columns_named_alike_are_a_series():
 def test_the_letters_of_a_yaskawa_are_its_joints_only_all_together():
     assert motoman(["no", "S", "L", "U", "R", "B", "T"]) == {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 6: 6}
     assert motoman(["S", "L", "U"]) == {}
+
+
+def test_a_name_of_thousands_of_characters_says_what_its_beginning_says():
+    assert heading("J1 (" + " " * 60_000 + "x") == heading("J1")
+    assert heading("q" + "7" * 60_000).meaning == MEANS_NOTHING
+    assert series("q" + "7" * 60_000) is not None

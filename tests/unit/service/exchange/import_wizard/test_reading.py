@@ -2,6 +2,7 @@
 
 import io
 import json
+import time
 import zipfile
 from dataclasses import replace
 from datetime import date
@@ -12,16 +13,20 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.domain.robots import SEVEN_AXES
 from tests.helpers.identification.synthetic import leg_campaign
+from tests.helpers.machine import TIME_ZONES
 from tests.unit.service.exchange.import_wizard.tables import plain, readings, table
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.errors import UnsafeArchiveError
+from truepose.exchange.import_wizard.column_detection import guess_columns
+from truepose.exchange.import_wizard.columns import in_format
 from truepose.exchange.import_wizard.dialogue import Choices, FileChoice, choices_of, merge_patch
 from truepose.exchange.import_wizard.files import example_files
 from truepose.exchange.import_wizard.headings import ColumnMeaning
 from truepose.exchange.import_wizard.reading import read_imported_files
+from truepose.exchange.import_wizard.sheet import read_sheet
 from truepose.identification.verdict.conventions import Change
 from truepose.messages.catalogue import english
 
@@ -313,6 +318,60 @@ def test_what_a_person_says_of_a_column_counts_more_than_its_name():
     )
 
 
+def test_a_column_that_a_person_names_outranks_one_that_is_called_so():
+    joints, nest, places = readings()
+    rows = np.column_stack([joints, places, places + 7.0, nest])
+    data = table([*JOINTS, "a", "b", "c", *XYZ, "nest"], rows)
+    columns = {6 + k: ColumnMeaning("position", 1 + k, "mm") for k in range(3)}
+    choices = replace(ROBOT, u_mm=0.02, files={"mine.csv": FileChoice(columns=columns)})
+
+    found = read_imported_files({"mine.csv": data}, choices)
+
+    assert found.campaign.calibration.position_mm == pytest.approx(places, abs=1e-4)
+
+
+def test_two_columns_that_a_person_takes_for_the_same_are_refused():
+    columns = {at: ColumnMeaning("position", 1, "mm") for at in (8, 9)}
+    choices = replace(ROBOT, files={"mine.csv": FileChoice(columns=columns)})
+
+    fault = read_imported_files({"mine.csv": plain()}, choices).understood.fault
+
+    assert (fault.file, fault.line) == ("mine.csv", 1)
+    assert "two columns are taken for this one" in fault.sentence
+
+
+@pytest.fixture
+def in_berlin(monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setenv("TZ", "Europe/Berlin")
+        time.tzset()
+        yield
+    time.tzset()
+
+
+@TIME_ZONES
+@pytest.mark.usefixtures("in_berlin")
+@pytest.mark.parametrize(
+    ("times", "expected"),
+    [
+        (["23:59:40", "23:59:59.5", "00:00:20"], [0.0, 19.5, 40.0]),
+        (["00:00:10", "23:59:50", "00:00:20"], [0.0, -20.0, 10.0]),
+        (["2026-03-03T23:59:40", "2026-03-04 00:00:20", "2026-03-04T00:00:30"], [0.0, 40.0, 50.0]),
+        (["2026-03-29T01:30:00", "2026-03-29T03:30:00", "2026-03-29T03:30:00+00:00"], [0.0, 7200.0, 7200.0]),
+        (["0001-01-01T00:00", "0001-01-01T00:01", "0001-01-01T00:02"], [0.0, 60.0, 120.0]),
+    ],
+)
+def test_moments_go_on_behind_midnight_and_know_no_zone_of_the_service(times, expected):
+    lines = plain(3).decode().splitlines()
+    text = "\n".join(f"{line},{cell}" for line, cell in zip(lines, ["time", *times], strict=True))
+
+    found = in_format(
+        sheet := read_sheet("mine.csv", text.encode()), [g.meaning for g in guess_columns(sheet)]
+    )
+
+    assert found.columns["time_s"].tolist() == expected
+
+
 def test_a_campaign_folder_is_read_to_the_letter_wherever_it_lies():
     campaign = make_campaign()
     folder = {f"left arm/{name}": text.encode() for name, text in campaign_files(campaign).items()}
@@ -377,6 +436,23 @@ def test_an_archive_that_leads_out_of_itself_is_refused(name):
 
     with pytest.raises(UnsafeArchiveError):
         read_imported_files({"mine.zip": stream.getvalue()}, DAY)
+
+
+def test_of_many_files_of_one_name_no_more_are_unpacked_than_are_read():
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for k in range(900):
+            archive.writestr(f"{k}/points.csv", b"1")
+
+    with pytest.raises(UnsafeArchiveError, match="upload: more than the 200 files"):
+        read_imported_files({f"{k}.zip": stream.getvalue() for k in range(5)}, DAY)
+
+
+def test_archives_that_are_each_within_their_limits_are_refused_together(monkeypatch):
+    monkeypatch.setattr("truepose.exchange.import_wizard.files.TOTAL_LIMIT_BYTES", 1000)
+
+    with pytest.raises(UnsafeArchiveError, match="upload: the content exceeds"):
+        read_imported_files({"a.csv": b"x" * 600, "b.csv": b"x" * 600}, DAY)
 
 
 def test_an_archive_that_expands_beyond_measure_is_refused():
