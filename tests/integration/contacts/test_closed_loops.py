@@ -10,6 +10,7 @@ from tests.unit.service.sessions.tracker.fakes import ListLedger
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, readings_of
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
+from truepose.domain.cell import DeviceEntry
 from truepose.domain.contacts import ContactPlan, ContactTaken, Target, TargetKind
 from truepose.domain.session import SessionState
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
@@ -109,13 +110,22 @@ async def test_a_loop_is_planned_run_and_written_as_a_campaign(scenario):
     plan = plan_of(LR_MATE, wish(scenario))
 
     state, ledger = await run(scenario, plan)
-    campaign = contact_campaign("session 1", SessionSetup(LR_MATE), plan, readings_of(ledger.entries))
+    cell = replace(
+        LR_MATE,
+        robot_serial_number="F-1",
+        devices=(
+            DeviceEntry("robot", "fanuc-rmi", {}, "F-2"),
+            DeviceEntry("probe", "mitutoyo-usb-itn", {}, "M-3"),
+        ),
+    )
+    campaign = contact_campaign("session 1", SessionSetup(cell), plan, readings_of(ledger.entries), {"probe"})
     back = read_campaign_zip(write_campaign_zip(campaign))
 
     assert state is SessionState.FINISHED
     assert [skipped.reason for skipped in ledger.skipped] == []
     assert len(campaign.contacts) == 6 * plan.channels
     assert back.targets == campaign.targets
+    assert (back.robot_serial_number, back.instrument_serial_number) == ("F-1", "M-3")
     assert back.contacts.reading_mm == pytest.approx(campaign.contacts.reading_mm, abs=1e-6)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from truepose.analysis.campaigns.tracker import only_serial
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.domain.ballbar import ArrivalTaken, Leg, LengthTaken
 from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, Stops
@@ -102,6 +103,8 @@ def assemble_ballbar_campaign(
         ballbar_range_mm=kit.range_mm,
         setup_uncertainty_mm=kit.setup_u_mm,
         simulated=setup.simulated,
+        robot_serial_number=cell.robot_serial_number,
+        instrument_serial_number=only_serial(kept.length.instrument_serial for kept in counting.legs),
         notes=tuple(_notes(name, setup, kit, counting)),
     )
 

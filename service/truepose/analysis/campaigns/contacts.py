@@ -1,10 +1,11 @@
 """From a session of closed loops to a campaign: pure, no storage, no clock."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from truepose.analysis.campaigns.tracker import only_serial
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
 from truepose.domain.contacts import ContactPlan, ContactTaken, TargetDistance
@@ -20,11 +21,15 @@ def readings_of(entries: Iterable[LedgerEntry]) -> tuple[ContactTaken, ...]:
 
 
 def contact_campaign(
-    name: str, setup: SessionSetup, plan: ContactPlan, taken: Sequence[ContactTaken]
+    name: str,
+    setup: SessionSetup,
+    plan: ContactPlan,
+    taken: Sequence[ContactTaken],
+    gauges: Collection[str] = (),
 ) -> Campaign:
     """Return the campaign of what was read in a session; the joints are the commanded ones.
 
-    Raises NothingMeasuredError where nothing was.
+    `gauges` are the devices of the cell that read. Raises NothingMeasuredError where nothing was.
     """
     if not taken:
         raise NothingMeasuredError(message("refused.no_reading", name=name))
@@ -41,6 +46,11 @@ def contact_campaign(
         ),
         target_distances=_distances(plan.distances),
         simulated=setup.simulated,
+        robot_serial_number=cell.robot_serial_number,
+        # A session does not begin with a gauge of another number than the cell names.
+        instrument_serial_number=only_serial(
+            entry.serial_number for entry in cell.devices if entry.name in gauges
+        ),
         notes=(f"Contacts are those of {name}: {plan.loop}.",),
     )
 

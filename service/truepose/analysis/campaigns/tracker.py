@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence, Sized
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -96,7 +96,10 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         registration=None if registration is None else WorldRegistration(registration.covariance),
         simulated=any(session.setup.simulated for session in sessions),
         robot_serial_number=cell.robot_serial_number,
-        instrument_serial_number=_instrument(sessions),
+        # Of the readings, not of the cell file: an instrument may have been exchanged since (decision 0020).
+        instrument_serial_number=only_serial(
+            point.instrument_serial for session in sessions for point in session.points
+        ),
         notes=tuple(_notes(calibration, validation)),
     )
 
@@ -119,12 +122,22 @@ def with_validation_points(
         reference=_reference(validation.fixed_nests),
         tracker_position_mm=_tracker_position(validation.registration),
         simulated=bool(campaign.simulated) or validation.setup.simulated,
+        instrument_serial_number=only_serial([
+            campaign.instrument_serial_number,
+            *(point.instrument_serial for point in validation.points),
+        ]),
         notes=(
             *campaign.notes,
             f"Validation readings are those of session {validation.id}.",
             *_trackers([validation]),
         ),
     )
+
+
+def only_serial(serials: Iterable[str]) -> str:
+    """Return the serial number of what read all of it; nothing where several did, or it tells none."""
+    found = set(serials)
+    return found.pop() if len(found) == 1 else ""
 
 
 def point_readings(points: Sequence[PointTaken]) -> PointReadings:
@@ -232,13 +245,6 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
         if text:
             yield f"{what}: {text}"
     yield from cell.conditions.notes
-
-
-def _instrument(sessions: Sequence[MeasuredSession]) -> str:
-    """Return the serial number of what read all of it; nothing where several did, or it tells none."""
-    # Of the readings, not of the cell file: an instrument may have been exchanged since (decision 0020).
-    serials = {point.instrument_serial for session in sessions for point in session.points}
-    return serials.pop() if len(serials) == 1 else ""
 
 
 def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:

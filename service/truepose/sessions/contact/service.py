@@ -59,7 +59,8 @@ class ContactSessions(UnattendedSessionService[ContactRunner]):
         """
         name, plan, taken = await self._measured(session_id)
         setup = await self.desk.sessions.setup(session_id)
-        campaign = contact_campaign(name, setup, plan, taken)
+        gauges = {mounted.entry.name for mounted, _ in self.desk.rack.gauges}
+        campaign = contact_campaign(name, setup, plan, taken, gauges)
         if judging_id is None:
             return campaign
         other, judging, held_out = await self._measured(judging_id)

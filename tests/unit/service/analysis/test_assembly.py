@@ -112,6 +112,14 @@ def test_points_of_a_tracker_session_judge_a_campaign_of_legs_and_identify_nothi
     assert campaign.notes == ("legs", "Validation readings are those of session 5.")
 
 
+def test_legs_that_a_tracker_judges_are_of_no_one_instrument():
+    cell = make_setup().cell
+    legs = Campaign(cell.robot, FramePlacement(), cell.nests, instrument_serial_number="L1")
+    tracker = measured(5, points=of_tracker("392123", 1, 2))
+
+    assert with_validation_points(legs, measured(3, points=()), tracker).instrument_serial_number == ""
+
+
 def test_a_tracker_session_of_another_robot_judges_nothing():
     other = measured(5, setup=changed_cell(robot=dataclasses.replace(make_setup().cell.robot, name="other")))
     legs = Campaign(make_setup().cell.robot, FramePlacement(), make_setup().cell.nests)

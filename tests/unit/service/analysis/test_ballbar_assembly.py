@@ -56,6 +56,20 @@ def test_every_leg_is_a_row_with_the_commanded_joints():
     assert legs.standard_uncertainty_mm.tolist() == [0.0017, 0.0017]
 
 
+@pytest.mark.parametrize(("second", "instrument"), [("L1", "L1"), ("L2", "")])
+def test_robot_and_instrument_are_named_where_one_read_all(second, instrument):
+    setup = three_nests()
+    setup = replace(setup, cell=replace(setup.cell, robot_serial_number="120-500123"))
+    legs = [
+        replace(leg, length=replace(leg.length, instrument_serial=serial))
+        for leg, serial in zip(LEGS, ("L1", second), strict=True)
+    ]
+
+    campaign = read_campaign_zip(write_campaign_zip(assemble(setup, counting=ValidReadings(tuple(legs)))))
+
+    assert (campaign.robot_serial_number, campaign.instrument_serial_number) == ("120-500123", instrument)
+
+
 def test_triangles_and_setups_tie_the_cups():
     campaign = assemble()
 
