@@ -5,13 +5,14 @@ A pipe or a terminal gives nothing until somebody writes, a device gives for eve
 
 import math
 import os
+import re
 import stat
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Final, NoReturn, TypeVar
+from typing import Any, BinaryIO, Final, NoReturn, TypeVar
 
 from truepose.exchange.errors import (
     BadValueError,
@@ -21,11 +22,12 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
-from truepose.exchange.json_text import Json, KeyPath, line_of, number_or_null, parse_json, require_shallow
+from truepose.exchange.json_text import Json, KeyPath, line_of, number_or_null, parse_json
 from truepose.exchange.quantities import in_other_unit, limits_of, unit, unit_sentence
 
 # 200,000 rows of a table with everything that the format knows come to 100 MB.
 GREATEST_BYTES: Final = 128 * 2**20
+_PIECE_BYTES: Final = 2**20
 _KINDS: Final = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -57,8 +59,7 @@ def read_bytes(path: Path, *, most: int = GREATEST_BYTES) -> bytes:
         _require_regular(path, path.stat())
         with open(path, "rb", opener=_open_at_once) as file:
             _require_regular(path, os.fstat(file.fileno()))
-            # One byte more than is taken: a file may grow while it is read, so its size alone says nothing.
-            data = file.read(most + 1)
+            data = b"".join(_pieces(file, most))
     except FileNotFoundError as error:
         raise MissingFileError("there is no such file", file=path.name) from error
     except (OSError, ValueError) as error:  # a name with a zero byte is no name
@@ -70,6 +71,15 @@ def read_bytes(path: Path, *, most: int = GREATEST_BYTES) -> bytes:
             f"the file has more than {most // 2**20} MB, the most that is read", file=path.name
         )
     return data
+
+
+def _pieces(file: BinaryIO, most: int) -> Iterator[bytes]:
+    """Yield what a file holds, up to one byte more than is taken: it may grow, so its size says nothing."""
+    # Asked for all at once, a small file would be given the room of the largest.
+    left = most + 1
+    while piece := file.read(min(left, _PIECE_BYTES)):
+        left -= len(piece)
+        yield piece
 
 
 def _open_at_once(path: str, flags: int) -> int:
@@ -232,11 +242,17 @@ def file_document(path: Path) -> Node:
     return read(path.name, read_bytes(path))
 
 
+# Names with points between them nest without a bracket, and tomllib takes for them their square in memory.
+_DEEP_NAME: Final = re.compile(r"""(?:\.[ \t]*+[\w"'-]++[ \t]*+){100}""")
+
+
 def toml_document(file: str, data: bytes) -> Node:
     """Return the root of a TOML document; raises UnreadableFileError (tomllib says the line in its words)."""
     try:
-        value = tomllib.loads(data.decode("utf-8-sig"))
-        require_shallow(value)  # names with points between them nest without a bracket
+        text = data.decode("utf-8-sig")
+        if _DEEP_NAME.search(text):
+            raise UnreadableFileError("this is not TOML: nested too deep", file=file)
+        value = tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
     except RecursionError as error:

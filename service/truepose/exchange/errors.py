@@ -14,7 +14,11 @@ ExchangeError
 └── UnknownRobotError        no shipped robot has that name
 """
 
+from typing import Final
+
 from truepose.domain.errors import TrueposeError
+
+_LONGEST: Final = 600  # characters: more than any sentence of ours has by itself
 
 
 class ExchangeError(TrueposeError):
@@ -59,15 +63,16 @@ class InputFileError(ExchangeError):
         column: str | None = None,
         key: str | None = None,
     ) -> None:
-        place = [file]
+        sentence = _on_one_line(sentence)
+        place = [_on_one_line(file)]
         if line is not None:
             place.append(f"line {line}")
         if row is not None:
             place.append(f"row {row}")
         if column is not None:
-            place.append(f"column {column}")
+            place.append(f"column {_on_one_line(column)}")
         if key:
-            place.append(f"key {key}")
+            place.append(f"key {_on_one_line(key)}")
         super().__init__(f"{', '.join(place)}: {sentence}.")
         self.sentence = sentence
         self.file = file
@@ -75,6 +80,13 @@ class InputFileError(ExchangeError):
         self.row = row
         self.column = column
         self.key = key
+
+
+def _on_one_line(text: str) -> str:
+    """Return words with what a stranger wrote among them, cut in their middle where he wrote a book."""
+    line = "".join(letter if letter.isprintable() else " " for letter in text)
+    # What to do about it stands at the end.
+    return line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
 
 
 class MissingFileError(InputFileError):

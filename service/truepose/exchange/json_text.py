@@ -33,7 +33,7 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
         value = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
         if _HALF_A_CHARACTER.search(text):
             json.dumps(value, ensure_ascii=False).encode()
-        require_shallow(value)
+        _require_shallow(value)
     except json.JSONDecodeError as error:
         what = "the text ends too early" if error.pos >= len(text.rstrip()) else error.msg
         raise UnreadableFileError(
@@ -48,7 +48,7 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
     return value, text
 
 
-def require_shallow(value: object) -> None:
+def _require_shallow(value: object) -> None:
     """Raise RecursionError, as parsers do, for what nests deeper than whoever walks through it can follow."""
     level = [value]
     for _ in range(_DEEPEST):

@@ -216,6 +216,11 @@ def _unit(file: str, given: str | None, found: str | None) -> str:
 
 
 def _point(file: str, line: Line, columns: _Columns, scale: float) -> NamedPoint:
+    needed = 1 + max(columns.name, *columns.position, *columns.uncertainty)
+    if len(line.words) < needed:
+        raise UnreadableFileError(
+            f"{len(line.words)} words stand where {needed} are needed", file=file, line=line.number
+        )
     spread = _numbers(file, line, columns.uncertainty) if columns.uncertainty else None
     return NamedPoint(
         name=line.words[columns.name] if columns.name >= 0 else str(line.number),
@@ -226,10 +231,6 @@ def _point(file: str, line: Line, columns: _Columns, scale: float) -> NamedPoint
 
 
 def _numbers(file: str, line: Line, at: Sequence[int]) -> tuple[float, ...]:
-    if len(line.words) <= max(at):
-        raise UnreadableFileError(
-            f"{len(line.words)} words stand where {max(at) + 1} are needed", file=file, line=line.number
-        )
     for word in (line.words[place] for place in at):
         if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
             raise BadValueError(f"{shown(word)} is no coordinate", file=file, line=line.number)
@@ -246,7 +247,7 @@ def _require_one_each(file: str, points: Sequence[NamedPoint]) -> None:
     for point in points:
         if point.name in seen:
             raise BadValueError(
-                f"point {point.name!r} stands in line {seen[point.name]} too: keep the one that counts",
+                f"point {shown(point.name)} stands in line {seen[point.name]} too: keep the one that counts",
                 file=file,
                 line=point.line,
             )

@@ -181,9 +181,9 @@ def _measured(file: str, pairs: Pairs, u_mm: float | None) -> dict[str, FloatArr
 
 
 def _nothing_fits(points: Sequence[NamedPoint], table: Sequence[_Row], by: Key) -> str:
-    shown = ", ".join(repr(point.name) for point in points[:3])
-    rows = ", ".join(" ".join(row.key(by)) for row in table[:3])
-    return f"no point belongs to a row: points are called {shown}, rows have {' and '.join(by)} {rows}"
+    names = ", ".join(shown(point.name) for point in points[:3])
+    rows = ", ".join(" ".join(row.key(by))[:30] for row in table[:3])
+    return f"no point belongs to a row: points are called {names}, rows have {' and '.join(by)} {rows}"
 
 
 STATED: Final = "import.toml"  # where a folder of lists states it

@@ -42,6 +42,7 @@ from truepose.exchange.import_wizard.tables import (
     n_joints,
     positions_of,
     scatter_of_revisits_mm,
+    whole_or_0,
 )
 from truepose.exchange.robots.named import campaign_keys
 from truepose.identification.verdict.conventions import Change
@@ -258,8 +259,8 @@ def _scatter_mm(table: ImportedTable) -> float | None:
     columns = table.columns
     if "repeat_of" not in columns or "u_mm" in columns or not has_positions(columns):
         return None
-    nest, config, repeat_of = (columns[name].astype(float) for name in ("nest", "config", "repeat_of"))
-    return scatter_of_revisits_mm(positions_of(columns), nest.astype(np.int64), config, repeat_of)
+    config, repeat_of = (columns[name].astype(float) for name in ("config", "repeat_of"))
+    return scatter_of_revisits_mm(positions_of(columns), whole_or_0(columns["nest"]), config, repeat_of)
 
 
 def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Campaign:

@@ -15,7 +15,13 @@ from truepose.exchange.document import json_document
 from truepose.exchange.import_wizard.columns import Cells, ImportedTable
 from truepose.exchange.import_wizard.dialogue import OWN_ROBOT, ChangeOffered, Choices, RobotSeen
 from truepose.exchange.import_wizard.files import Piece
-from truepose.exchange.import_wizard.tables import has_positions, joints_of, n_joints, positions_of
+from truepose.exchange.import_wizard.tables import (
+    has_positions,
+    joints_of,
+    n_joints,
+    positions_of,
+    whole_or_0,
+)
 from truepose.exchange.robots.named import list_robots, load_robot, read_robot_file
 from truepose.identification.problem.initial_frames import PriorPlacement
 from truepose.identification.verdict.conventions import Change, Evidence, Interpretation
@@ -178,7 +184,7 @@ def apply_changes(
         return robot, found
     count = len(next(iter(found.values())))
     positions = positions_of(found) if has_positions(found) else np.zeros((count, 3))
-    nest = found["nest"].astype(np.int64) if "nest" in found else np.ones(count, np.int64)
+    nest = whole_or_0(found["nest"]) if "nest" in found else np.ones(count, np.int64)
     meant = _applied(Interpretation(robot, Evidence(np.radians(joints_of(found)), nest, positions)), changes)
     for joint, angles in enumerate(np.degrees(meant.evidence.joints_rad).T, start=1):
         found[f"q{joint}_deg"] = angles

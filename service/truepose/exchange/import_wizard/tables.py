@@ -232,7 +232,7 @@ def _numbered(table: ImportedTable, *, several: bool) -> ImportedTable:
     columns |= {end: ones for end in ends if end not in columns}
     joints = joints_of(columns)
     if joints.shape[1]:
-        pair = (columns[ends[0]] * _PAIRS + columns[ends[-1]]).astype(np.int64)
+        pair = whole_or_0(columns[ends[0]] * _PAIRS + columns[ends[-1]])
         # Two tables each count from 1: their numbers would join stops that have nothing in common.
         if several or not numbers_its_stops(columns.get("config"), joints, pair):
             columns["config"], columns["repeat_of"] = numbered_stops(joints, pair)
@@ -261,6 +261,12 @@ def positions_of(columns: Mapping[str, Cells]) -> FloatArray:
 def has_positions(columns: Mapping[str, Cells]) -> bool:
     """Whether all three coordinates are there."""
     return all(name in columns for name in _AXES)
+
+
+def whole_or_0(cells: Cells) -> IntArray:
+    """Return whole numbers; 0 for an empty cell, which whoever reads the table as a campaign refuses."""
+    numbers: IntArray = np.nan_to_num(cells.astype(float), nan=0.0).astype(np.int64)
+    return numbers
 
 
 def _require_numbers(table: ImportedTable) -> None:

@@ -33,6 +33,7 @@ from truepose.messages.message import Message, message
 
 LINKS: Final = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 _MOST_BYTES: Final = 64 * 2**10  # a hundred times such a file; what is longer is none
+_DEEPEST: Final = 10  # such a file has three levels
 _M_PER_MM: Final = 1e-3
 _TWISTS_DEG: Final = (0.0, 90.0, 0.0, 0.0, 90.0, -90.0)
 _TWISTED_RAD: Final = math.radians(2.0)  # more than any arm is built wrong by
@@ -58,16 +59,21 @@ def kinematics_from_text(file: str, data: bytes) -> Robot:
 
 
 class _PlainLoader(yaml.SafeLoader):
-    """Refuses aliases: with them a few lines stand for billions of values."""
+    """Refuses aliases, with which a few lines stand for billions of values, and endless nesting."""
+
+    _depth = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         """Return the node that comes next."""
-        if self.check_event(yaml.AliasEvent):
+        if self.check_event(yaml.AliasEvent) or self._depth > _DEEPEST:
             raise yaml.MarkedYAMLError(
-                problem="it has aliases, which no such file needs",
+                problem="it has aliases or is nested too deep, which no such file needs",
                 problem_mark=self.get_event().start_mark,  # type: ignore[no-untyped-call]
             )
-        return super().compose_node(parent, index)
+        self._depth += 1
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
 
 
 def _loaded(file: str, data: bytes) -> object:

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.machine import DEVICE_FILES, NAMED_PIPES, UNIX_SOCKETS
 from truepose.exchange.document import read_bytes
-from truepose.exchange.errors import MissingFileError, UnreadableFileError
+from truepose.exchange.errors import BadValueError, MissingFileError, UnreadableFileError
 
 
 def fifo(folder):
@@ -68,6 +68,15 @@ def test_a_link_that_leads_in_a_circle_is_refused(tmp_path):
 def test_a_file_that_is_not_there_is_missing(tmp_path, name):
     with pytest.raises(MissingFileError, match="there is no such file"):
         read_bytes(tmp_path / name)
+
+
+def test_what_a_stranger_wrote_stands_on_one_line_and_is_cut_in_its_middle():
+    error = BadValueError(f"{'x' * 9000}\n is none; write one", file="a\nb", line=7, key="k" * 9000)
+
+    assert str(error).startswith("a b, line 7, key kkk")
+    assert str(error).endswith("  is none; write one.")
+    assert len(str(error)) < 1500
+    assert "\n" not in str(error)
 
 
 def test_a_name_that_no_file_has_is_refused(tmp_path):

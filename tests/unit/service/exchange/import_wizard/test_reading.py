@@ -294,6 +294,7 @@ def test_a_wrong_line_is_corrected_or_left_out_and_the_rest_goes_on(edit):
         ("1e300", "too large for any quantity"),
         ("-1", "must be one of the tool nests"),
         ("1.5", "must be a whole number"),
+        ("", "the cell is empty"),
     ],
 )
 def test_a_nest_that_nobody_has_is_shown_in_its_line_and_costs_nothing(nest, said):

@@ -90,6 +90,7 @@ def test_uncertainties_count_where_a_header_names_them():
         ("1.5 2.5 3.5\n", MissingEntryError, "no names"),
         ("P1 1 2 3\nP2 1 two 3\n", BadValueError, "line 2: 'two' is no coordinate"),
         ("P1 1 2 3\nP2 1 2\n", UnreadableFileError, "line 2: 3 words stand where 4"),
+        ("X,Y,Z,Name\n1,2,3,P1\n4,5,6\n", UnreadableFileError, "line 3: 3 words stand where 4"),
         ("P1 1 2 3\nP1 4 5 6\n", BadValueError, "line 2: point 'P1' stands in line 1 too"),
         ("P1 1 2 3\nP2 1 2 nan\n", BadValueError, "line 2: 'nan' is no coordinate"),
         ("P1 1 2 3\nP2 1 2 1e999\n", BadValueError, "line 2: '1e999' is no coordinate"),

@@ -132,7 +132,8 @@ def test_a_file_is_taken_where_a_robot_is(tmp_path):
         ("kinematics: !!python/object/apply:os.system [ls]", "this is not YAML"),
         ("- 1", "an object with keys is required"),
         ("[" * 1000, "this is not YAML"),
-        ("a: &a [*a]", "line 1: this is not YAML: it has aliases"),
+        ("a: &a [*a]", "line 1: this is not YAML: it has aliases or is nested"),
+        ("a: " + "[" * 400 + "]" * 400, "line 1: this is not YAML: it has aliases or is nested"),
         (text_of({**PUBLISHED, "forearm": ("1_0",) * 6}), "key kinematics.forearm.x: '1_0' is not a number"),
     ],
 )
