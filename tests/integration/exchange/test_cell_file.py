@@ -30,6 +30,23 @@ def read(folder, text):
     return read_cell(path)
 
 
+_PAGE = (EXAMPLES.parent / "cell-file.md").read_text(encoding="utf-8")
+_SECTIONS = (
+    "", "[tool]", "[world]", "[tracker]", "[limits]", "[conditions]", "[ballbar]", "[ballbar.base_bars]",
+    "[ballbar.instrument]", "[simulated]", "[[fixed_nest]]",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("section", _SECTIONS)
+def test_every_key_that_a_section_takes_is_on_the_page(section, tmp_path):
+    with pytest.raises(InputFileError) as refused:
+        read(tmp_path, f'robot = "abb-irb-120"\n{section}\nno_such_key = 1\n')
+
+    keys = str(refused.value).partition("the keys here are ")[2].rstrip(".").split(", ")
+    assert [key for key in keys if key not in _PAGE] == []
+    assert keys != [""]
+
+
 def test_the_example_of_a_real_cell_is_read_whole(tmp_path):
     cell = read(tmp_path, REAL)
 
