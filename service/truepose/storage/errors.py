@@ -24,7 +24,7 @@ StorageError
 """
 
 from truepose.domain.errors import RecordRefusedError, TrueposeError
-from truepose.messages.message import Text
+from truepose.messages.message import Text, message
 
 
 class StorageError(TrueposeError):
@@ -99,7 +99,7 @@ class NotFoundError(StorageError):
     """There is no record of that number."""
 
     def __init__(self, what: str, number: int) -> None:
-        super().__init__(f"There is no {what} {number}.")
+        super().__init__(message("refused.no_record", what=what, number=number))
 
 
 class NotInPlantError(NotFoundError):

@@ -8,6 +8,7 @@ from fastapi import Depends, Query
 
 from truepose.domain.validation import DecisionRule
 from truepose.messages.catalogue import Catalogue
+from truepose.messages.message import message
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import ModelRecord, SessionRecord
 from truepose.web.context import Context
@@ -113,9 +114,7 @@ async def model_for(here: Context, origin: Origin, choice: Choice) -> ModelRecor
     robot = (await here.sessions.setup(origin.record.id)).cell.robot.name
     newest = await models_of(here, robot, 1)
     if not newest:
-        raise ConflictError(
-            f"There is no model of {robot} yet, which says where poses are commanded: identify one first."
-        )
+        raise ConflictError(message("refused.no_model_yet", robot=robot))
     return newest[0]
 
 

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import Catalogue
+from truepose.messages.message import message
 from truepose.sessions.engine.states import has_ended
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import ModelRecord, SessionRecord
@@ -211,7 +212,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
     origin = await origin_of(here, number)
     kind = kind_of(origin)
     if kind is None:
-        raise ConflictError("The readings of this session are for an identification; its report is that one.")
+        raise ConflictError(message("refused.identifying_session"))
     report = await kind.report(here, origin, choice, words)
     return Drawable(
         (number, choice, await here.sessions.chain_head(number)),

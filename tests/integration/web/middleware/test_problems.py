@@ -163,3 +163,11 @@ async def test_a_refusal_is_in_the_words_of_whoever_asks(client, method, path, s
     client.headers["Accept-Language"] = "de"
 
     assert said in detail_of(await client.request(method, path, **sent), status)
+
+
+async def test_a_record_that_is_not_there_is_named_in_the_words_of_whoever_asks(client):
+    asked = await client.get(f"{SESSIONS}/7", headers={"Accept-Language": "de"})
+    page = await client.get("/reports/session/7", headers={"Accept": "text/html", "Accept-Language": "fr"})
+
+    assert detail_of(asked, 404) == "Nicht vorhanden: Sitzung 7."
+    assert "Introuvable\u00a0: session 7." in page.text

@@ -15,6 +15,7 @@ from truepose.domain.ballbar import (
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.domain.robot import FramePlacement
+from truepose.messages.message import message
 from truepose.sessions.ballbar.planning import BallbarPlanRequest
 from truepose.web.api.sessions.schemas import AngleDeg
 from truepose.web.schemas import (
@@ -163,7 +164,7 @@ def wanted_plan(wanted: BallbarSessionRequest, model: Model | None = None) -> Ba
 
 def _sphere(wanted: SphereStops, places: list[PlacementRequest], model: Model | None) -> SpherePlanRequest:
     if any(place.poses or place.setups or place.cups_mm for place in places):
-        raise ConfigurationError("The stops of a sphere test are chosen: give its placement without poses.")
+        raise ConfigurationError(message("refused.sphere_poses"))
     return wanted.into(SpherePlanRequest, nests=tuple(wanted.nests), stops=wanted.configurations, model=model)
 
 

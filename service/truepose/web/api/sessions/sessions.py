@@ -15,7 +15,7 @@ from truepose.exchange.results.circles_and_spheres import (
 )
 from truepose.exchange.results.corrections import ProofDocument, proof_document
 from truepose.exchange.results.validation import AccuracyDocument, accuracy_document
-from truepose.messages.message import key_of
+from truepose.messages.message import key_of, message
 from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
@@ -184,9 +184,7 @@ async def add_configurations(
 async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:
     """Raise NotFoundError for a diagnosis that is not there, ConflictError for one of other readings."""
     if diagnosis_id is not None and (await here.diagnoses.get(diagnosis_id)).session_id != session_id:
-        raise ConflictError(
-            f"Diagnosis {diagnosis_id} is not of the readings of session {session_id}; name one that is."
-        )
+        raise ConflictError(message("refused.other_diagnosis", diagnosis=diagnosis_id, session=session_id))
 
 
 async def _shown(here: Context, number: int) -> SessionReply:

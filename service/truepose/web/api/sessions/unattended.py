@@ -8,7 +8,7 @@ from truepose.analysis.campaigns.contacts import readings_of
 from truepose.analysis.job_queue.tasks import ContactPlanTask, PlanTask
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
-from truepose.messages.message import Text
+from truepose.messages.message import Text, message
 from truepose.sessions.contact.dry_run import minutes_of
 from truepose.sessions.contact.service import ContactSessions
 from truepose.sessions.contact.state import Question, open_prompt
@@ -126,9 +126,7 @@ async def _queue(
 
 def _require_validation(wanted: SessionRequest) -> None:
     if wanted.role != "validation":
-        raise ConflictError(
-            'The readings of a proof or a test judge and never identify: its role is "validation".'
-        )
+        raise ConflictError(message("refused.judging_role"))
 
 
 class ContactKind(UnattendedKind):
