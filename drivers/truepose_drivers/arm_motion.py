@@ -19,7 +19,7 @@ from truepose_drivers.api import (
     MotionGuard,
     MotionLimits,
 )
-from truepose_drivers.arm_options import Angles, JointCounting
+from truepose_drivers.arm_options import Angles
 from truepose_drivers.errors import (
     ConfigurationError,
     DriverError,
@@ -52,45 +52,6 @@ def require_target(target_rad: Angles, joints: int, furthest_rad: float = math.i
             raise TargetRefusedError(
                 f"{math.degrees(angle)} deg of joint {joint} is out of any robot's range"
             )
-
-
-def counted_deg(joints_rad: Angles, counting: JointCounting) -> Angles:
-    """Return angles of the robot file as the controller counts them."""
-    return counting.of_controller(tuple(map(math.degrees, joints_rad)))
-
-
-def counted_target_deg(
-    target_rad: Angles, joints: int, counting: JointCounting, encode: Callable[[Angles], object]
-) -> Angles:
-    """Return a target as the controller counts it; raises TargetRefusedError where it cannot be sent."""
-    require_target(target_rad, joints)
-    target_deg = counted_deg(target_rad, counting)
-    try:
-        # The codec knows the widest number that its frame has room for. Tried before anything of the motion
-        # is sent, so that a target which cannot be written leaves the arm and its speeds as they were.
-        encode(target_deg)
-    except ValueError as error:
-        raise TargetRefusedError(str(error)) from error
-    return target_deg
-
-
-def counted_reading(
-    counted_deg: Angles, counting: JointCounting, *, resolution_deg: float, time_s: float
-) -> JointReading:
-    """Return the reading of joints that a controller states as it counts them."""
-    return JointReading(
-        joints_rad=counting.of_robot(tuple(map(math.radians, counted_deg))),
-        resolution_rad=math.radians(resolution_deg),
-        time_s=time_s,
-    )
-
-
-def astray_text(stands_deg: Sequence[float], target_deg: Sequence[float]) -> str:
-    """Return what is wrong with where the arm rests after a motion, nothing where it has arrived."""
-    off_deg = farthest_off(stands_deg, target_deg)
-    if off_deg <= ARRIVED_DEG:
-        return ""
-    return f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target"
 
 
 def farthest_off(stands: Sequence[float], target: Sequence[float]) -> float:

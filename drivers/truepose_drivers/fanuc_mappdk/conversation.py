@@ -15,17 +15,18 @@ from truepose_drivers.transports.link import Link, drain
 class Dialogue(Turns):
     """Questions to one port and their replies."""
 
-    def __init__(self, link: Link, *, rest_of_reply_s: float) -> None:
+    def __init__(self, link: Link, *, greeting_s: float, rest_of_reply_s: float) -> None:
         super().__init__(link)
         self._link = link
+        self._greeting_s = greeting_s
         self._rest_of_reply_s = rest_of_reply_s  # how long the end of a reply in unknown words may lag behind
 
-    async def open(self, timeout_s: float) -> None:
+    async def open(self) -> None:
         """Connect and be greeted; raises ConnectFailedError, also where another client is served."""
         await self._link.open()
         try:
             async with self.turn():
-                greeting = await self._reply("success", timeout_s, beats=False)
+                greeting = await self._reply("success", self._greeting_s, beats=False)
                 if greeting != protocol.GREETING:
                     raise protocol.MappdkProtocolError(
                         f"{self.address} greets with {greeting.message[:40]!r}"

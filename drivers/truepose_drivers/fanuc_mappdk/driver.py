@@ -6,30 +6,23 @@ it is after silence and nonsense, because replies carry no number. Where the mot
 
 import asyncio
 from dataclasses import dataclass
-from functools import partial
 
 from truepose_drivers import arm_options
 from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
-    JointReading,
     MotionGuard,
-    MotionLimits,
     Options,
 )
 from truepose_drivers.arm_motion import (
     ARRIVED_DEG,
     CommandedMotion,
     answered_unless_it_stands,
-    astray_text,
-    counted_deg,
-    counted_reading,
-    counted_target_deg,
     degrees_text,
-    require_speeds,
 )
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
+from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
@@ -66,7 +59,7 @@ class TimeOuts:
     rest_of_reply_s: float = 0.25  # how long the end of an error in unknown words may lag behind
 
 
-class MappdkRobot:
+class MappdkRobot(CountedArm):
     """A MAPPDK server on a link; with the logger's link, joints are read while the arm moves too."""
 
     can_stop_motion = False  # the server reads no request while the arm moves
@@ -82,21 +75,12 @@ class MappdkRobot:
         time_outs: TimeOuts | None = None,
     ) -> None:
         self._time_outs = time_outs or TimeOuts()
-        rest_s = self._time_outs.rest_of_reply_s
-        self._motion = Dialogue(link, rest_of_reply_s=rest_s)
-        self._logger = None if logger is None else Dialogue(logger, rest_of_reply_s=rest_s)
+        self._motion = self._dialogue(link)
+        self._logger = None if logger is None else self._dialogue(logger)
         self._logger_opens = asyncio.Lock()
-        self._clock = clock
-        self._counting = counting or JointCounting()
-        self._pace = pace or Pace()
-        self._limits = MotionLimits()
+        super().__init__(self._motion, clock, counting or JointCounting(), pace or Pace())
         self._watches: bool | None = None  # our own server runs there; None: it has not been asked
         self._watching = False  # it was asked to watch the motions of this connection
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._motion.is_open
 
     @property
     def motion_guard(self) -> MotionGuard:
@@ -106,8 +90,7 @@ class MappdkRobot:
         return MotionGuard(longest_piece_s=_LONGEST_PIECE_S, takes_s=self._takes_s)
 
     def _takes_s(self, start_rad: Angles, target_rad: Angles) -> float:
-        start_deg, target_deg = (counted_deg(joints, self._counting) for joints in (start_rad, target_rad))
-        return self._request(start_deg, target_deg)[1]
+        return self._request(self._counted_deg(start_rad), self._counted_deg(target_rad))[1]
 
     async def connect(self) -> None:
         """Open the link, trying again while the server may still be between two clients."""
@@ -115,7 +98,7 @@ class MappdkRobot:
         if self._logger is not None:
             await self._logger.close()
         await open_patiently(
-            partial(self._motion.open, self._time_outs.greeting_s),
+            self._motion.open,
             within_s=self._time_outs.connect_s,
             every_s=self._time_outs.retry_s,
             advice="also check on the pendant that the server program runs",
@@ -142,23 +125,23 @@ class MappdkRobot:
             firmware=version or _UNKNOWN,
         )
 
-    async def set_limits(self, limits: MotionLimits) -> None:
-        """Set the limits of the following motions, whose speed goes out with each of them."""
-        require_speeds(limits)
-        self._limits = limits
-
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.
 
         Raises TargetRefusedError when the target is none or the controller says no, ConnectionLostError
         when a fault ends its program.
         """
-        target_deg = self._shown_deg(target_rad)
-        # Whose server it is decides how a motion is sent, and what ends it when nobody waits any more.
-        if self._watches is None:
-            await self.identify()
-        await self._have_watched()
-        start_deg = protocol.joint_angles_deg(await self._ask_joints(self._motion))
+        target_deg = self._target_deg(target_rad)
+        async with self._one_motion:
+            # Whose server it is decides how a motion is sent, and what ends it when nobody waits any more.
+            if self._watches is None:
+                await self.identify()
+            await self._have_watched()
+            await self._carry_out(target_deg)
+            await self._require_arrival(await self._joints_deg(), target_deg)
+
+    async def _carry_out(self, target_deg: Angles) -> None:
+        start_deg = await self._joints_deg()
         request, expected_s = self._request(start_deg, target_deg)
         timeout_s = self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s
         course = CommandedMotion(start_deg, target_deg, ARRIVED_DEG, _STILL_DEG)
@@ -170,17 +153,18 @@ class MappdkRobot:
                 f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
                 f" as its pendant counts them: {reply.message}"
             )
-        await self._require_arrival(target_deg)
 
-    async def read_joints(self) -> JointReading:
+    def _dialogue(self, link: Link) -> Dialogue:
+        times = self._time_outs
+        return Dialogue(link, greeting_s=times.greeting_s, rest_of_reply_s=times.rest_of_reply_s)
+
+    async def _joints_deg(self) -> Angles:
+        return protocol.joint_angles_deg(await self._ask_joints(self._motion))
+
+    async def _shown(self) -> tuple[Angles, float]:
         """Ask where the joints are, the logger while the arm moves."""
         reply = await self._ask_joints(await self._free_port())
-        return counted_reading(
-            protocol.joint_angles_deg(reply),
-            self._counting,
-            resolution_deg=protocol.joint_resolution_deg(reply),
-            time_s=await self._clock.now_s(),
-        )
+        return protocol.joint_angles_deg(reply), protocol.joint_resolution_deg(reply)
 
     async def _free_port(self) -> Dialogue:
         """Return the port that replies now, the motion port where there is no logger."""
@@ -195,7 +179,7 @@ class MappdkRobot:
         async with self._logger_opens:
             if not self._logger.is_open:
                 try:
-                    await self._logger.open(self._time_outs.greeting_s)
+                    await self._logger.open()
                 except LinkError:  # its program does not run there
                     return None
         return self._logger
@@ -239,13 +223,6 @@ class MappdkRobot:
                 f"the robot hung up during a motion, as it does at a fault{why}: {_LOOK_AT_PENDANT}"
             ) from error
 
-    async def _require_arrival(self, target_deg: Angles) -> None:
-        """See that the arm is where it was sent; a late reply to something else may have said so."""
-        stands_deg = protocol.joint_angles_deg(await self._ask_joints(self._motion))
-        if astray := astray_text(stands_deg, target_deg):
-            await self._motion.close()
-            raise protocol.MappdkProtocolError(f"{astray}: {_LOOK_AT_PENDANT}")
-
     def _request(self, start_deg: Angles, target_deg: Angles) -> tuple[bytes, float]:
         """Return the request of a motion within the limits, and how long it takes without override [s]."""
         before, after = self._counting.inclined(start_deg), self._counting.inclined(target_deg)
@@ -265,11 +242,8 @@ class MappdkRobot:
             100.0 * self._pace.at_full_speed_s(steps_deg) / percent,
         )
 
-    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        def encode(joints_deg: Angles) -> object:
-            return protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(joints_deg, 1))
-
-        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, encode)
+    def _encode_target(self, target_deg: Angles) -> object:
+        return protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(target_deg, 1))
 
 
 def _open(options: Options, clock: Clock | None) -> MappdkRobot:

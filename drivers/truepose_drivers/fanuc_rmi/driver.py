@@ -15,20 +15,12 @@ from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
-    JointReading,
     MotionGuard,
-    MotionLimits,
     Options,
 )
-from truepose_drivers.arm_motion import (
-    astray_text,
-    counted_deg,
-    counted_reading,
-    counted_target_deg,
-    degrees_text,
-    require_speeds,
-)
+from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
+from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import (
     DeviceRefusedError,
     NoReplyError,
@@ -39,7 +31,7 @@ from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
 from truepose_drivers.fanuc_rmi.motion_segments import LONGEST_PIECE_S, PieceMaker
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, OnePortDevice, introduction
+from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
@@ -61,7 +53,7 @@ class TimeOuts:
     next_client_s: float = 3.0  # after the last client has left
 
 
-class RmiRobot(OnePortDevice):
+class RmiRobot(CountedArm):
     """A controller behind a handed-over link. Keeps the conversation."""
 
     can_stop_motion = True  # a motion given up ends the session, and with it the program
@@ -80,13 +72,8 @@ class RmiRobot(OnePortDevice):
         self._time_outs = time_outs or TimeOuts()
         reply_s, patience_s = self._time_outs.reply_s, self._time_outs.next_client_s
         self._link = Handover(to_port, first_port, reply_s=reply_s, patience_s=patience_s)
-        super().__init__(self._link)
+        super().__init__(self._link, clock, counting or JointCounting(), pace or Pace())
         self._exchanges = Exchanges(self._link, alive_s=self._time_outs.alive_s, answer_s=reply_s - 0.5)
-        self._clock = clock
-        self._counting = counting or JointCounting()
-        self._pace = pace or Pace()
-        self._limits = MotionLimits()
-        self._one_motion = asyncio.Lock()
         self._sequence = 0  # number of the next instruction
         self._override_percent = protocol.FASTEST_PERCENT  # that somebody set, as stated last
         self._stated: protocol.StatedAxes | None = None  # last in this session
@@ -102,9 +89,7 @@ class RmiRobot(OnePortDevice):
 
     def _takes_s(self, start_rad: Angles, target_rad: Angles) -> float:
         maker = PieceMaker(self._counting, self._pace, self._limits)
-        return maker.duration_s(
-            counted_deg(start_rad, self._counting), counted_deg(target_rad, self._counting)
-        )
+        return maker.duration_s(self._counted_deg(start_rad), self._counted_deg(target_rad))
 
     async def connect(self) -> None:
         """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""
@@ -119,29 +104,24 @@ class RmiRobot(OnePortDevice):
         await self._status()
         return DeviceIdentity("FANUC", _UNKNOWN, _UNKNOWN, self._link.version)
 
-    async def set_limits(self, limits: MotionLimits) -> None:
-        """Set the limits of the following motions, whose speed goes out with each of them."""
-        require_speeds(limits)
-        self._limits = limits
-
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.
 
         Raises TargetRefusedError when the target is none or the controller says no, NotInitialisedError where
         the arm may not move or was stopped, with what to do.
         """
-        target_deg = self._shown_deg(target_rad)
+        target_deg = self._target_deg(target_rad)
         async with self._one_motion:
             await self._make_ready()
             while not await self._move_on(target_deg, self._override_percent):
                 await self._status()
-            await self._require_arrival(target_deg)
+            await self._require_arrival((await self._shown())[0], target_deg)
 
-    async def read_joints(self) -> JointReading:
-        """Ask where the joints are; between two pieces while the arm moves."""
-        axes_deg = (await self._newest_axes()).axes_deg[: protocol.JOINTS]
-        now_s = await self._clock.now_s()
-        return counted_reading(axes_deg, self._counting, resolution_deg=protocol.RESOLUTION_DEG, time_s=now_s)
+    async def _shown(self) -> tuple[Angles, float]:  # between two pieces while the arm moves
+        return (await self._newest_axes()).axes_deg[: protocol.JOINTS], protocol.RESOLUTION_DEG
+
+    def _encode_target(self, target_deg: Angles) -> object:
+        return protocol.encode_motion(protocol.JointMotion(0, target_deg, 1))
 
     async def _asked(self, name: protocol.Command, decode: Callable[[protocol.Packet], Answer]) -> Answer:
         async with self._exchanges.turn():
@@ -289,19 +269,6 @@ class RmiRobot(OnePortDevice):
         return NotInitialisedError(
             f"the robot broke off its motion: {why}; look at the pendant, then confirm"
         )
-
-    async def _require_arrival(self, target_deg: Angles) -> None:
-        """See that the arm is where it was sent."""
-        stands_deg = (await self._newest_axes()).axes_deg[: protocol.JOINTS]
-        if astray := astray_text(stands_deg, target_deg):
-            await self._link.close()
-            raise protocol.RmiProtocolError(f"{astray}: look at the pendant, then connect again")
-
-    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        def encode(axes_deg: Angles) -> object:
-            return protocol.encode_motion(protocol.JointMotion(0, axes_deg, 1))
-
-        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, encode)
 
 
 def _now_s() -> float:

@@ -4,7 +4,6 @@ The proxy reads and writes variables, and knows nothing of motions. The program 
 keeps changing: whoever gave the order and is gone has the arm stopped.
 """
 
-import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -14,24 +13,17 @@ from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
-    JointReading,
     MotionGuard,
-    MotionLimits,
     Options,
 )
-from truepose_drivers.arm_motion import (
-    astray_text,
-    counted_reading,
-    counted_target_deg,
-    degrees_text,
-    require_speeds,
-)
+from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
+from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import DeviceRefusedError, TargetRefusedError
 from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_drivers.kuka_variable_proxy.conversation import Order, Program, VariableProxy
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, OnePortDevice, introduction
+from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
@@ -48,7 +40,7 @@ class TimeOuts:
     motion_s: float = 20.0  # in addition to the motion at the speed override that holds
 
 
-class KukaRobot(OnePortDevice):
+class KukaRobot(CountedArm):
     """A controller behind its proxy. Keeps the conversation; computes nothing."""
 
     can_stop_motion = True  # a motion given up is heard of no more, and the program stops the arm
@@ -66,12 +58,7 @@ class KukaRobot(OnePortDevice):
     ) -> None:
         self._time_outs = time_outs or TimeOuts()
         self._proxy = VariableProxy(link, reply_s=self._time_outs.reply_s)
-        super().__init__(self._proxy)
-        self._clock = clock
-        self._counting = JointCounting(signs, from_horizontal=False)
-        self._pace = pace
-        self._limits = MotionLimits()
-        self._one_motion = asyncio.Lock()
+        super().__init__(self._proxy, clock, JointCounting(signs, from_horizontal=False), pace)
         self._program = Program(self._proxy)
 
     async def connect(self) -> None:
@@ -88,18 +75,13 @@ class KukaRobot(OnePortDevice):
         ]
         return DeviceIdentity("KUKA", model, serial, software)
 
-    async def set_limits(self, limits: MotionLimits) -> None:
-        """Set the limits of the following motions, whose speed goes out with each of them."""
-        require_speeds(limits)
-        self._limits = limits
-
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.
 
         Raises TargetRefusedError for a target that is none, NotInitialisedError where the arm may not move,
         refuses the target or was stopped, with what to do.
         """
-        target_deg = self._shown_deg(target_rad)
+        target_deg = self._target_deg(target_rad)
         async with self._one_motion:
             state = await self._program.ready()
             axes_deg = await self._axes_deg()
@@ -111,13 +93,13 @@ class KukaRobot(OnePortDevice):
                 raise TargetRefusedError(
                     f"joint target ({degrees_text(target_deg)}) deg, as the pendant counts: {error}"
                 ) from error
-            await self._require_arrival(target_deg)
+            await self._require_arrival((await self._shown())[0], target_deg)
 
-    async def read_joints(self) -> JointReading:
-        """Ask where the joints are, the arm moving or not."""
-        axes_deg = (await self._axes_deg())[: protocol.JOINTS]
-        now_s = await self._clock.now_s()
-        return counted_reading(axes_deg, self._counting, resolution_deg=protocol.STEP_DEG, time_s=now_s)
+    async def _shown(self) -> tuple[Angles, float]:
+        return (await self._axes_deg())[: protocol.JOINTS], protocol.STEP_DEG
+
+    def _encode_target(self, target_deg: Angles) -> object:
+        return protocol.encode_axes(target_deg)
 
     async def _axes_deg(self) -> Angles:
         return await self._proxy.read(protocol.Variable.AXES, protocol.decode_axes)
@@ -136,15 +118,6 @@ class KukaRobot(OnePortDevice):
         percent, override = self._pace.share_and_override(steps_deg, self._limits, override)
         duration_s = 100.0 * self._pace.at_share_s(steps_deg, percent) / override
         return Order((*target_deg, *axes_deg[protocol.JOINTS :]), percent, override), duration_s
-
-    async def _require_arrival(self, target_deg: Angles) -> None:
-        """See that the arm is where it was sent."""
-        if astray := astray_text((await self._axes_deg())[: protocol.JOINTS], target_deg):
-            await self._proxy.close()
-            raise protocol.ProxyProtocolError(f"{astray}: look at the pendant, then connect again")
-
-    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, protocol.encode_axes)
 
 
 def _inclined(steps_deg: Sequence[float]) -> Angles:
@@ -166,8 +139,7 @@ _OPTIONS = {
     "host": "address of the controller",
     "port": f"TCP port of the variable proxy, {protocol.PROXY_PORT} unless changed",
     "signs": "-1 for each joint that the robot file counts the other way round, all 1 if left out",
+    **arm_options.PACE_OPTIONS,
     "joint_speeds_deg_s": "greatest speeds of the six joints, those of the KR 6 R900 sixx if left out",
-    "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
-    "tool_reach_mm": "farthest that the tool can be from the axes of the wrist, 400 if left out",
 }
 PLUGIN = DriverPlugin("kuka_variable_proxy", "robot", "kuka_variable_proxy", _OPTIONS, _open)
