@@ -17,6 +17,7 @@ from tests.helpers.diagnosis.point_scenes import (
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS
 from truepose.effects.causes import FittedCause
+from truepose.effects.ports import Port, PortKind, motion_port
 from truepose.effects.registry import CAUSES, needs_of
 from truepose.effects.unclassified.cause import KINDS
 from truepose.effects.unclassified.kinds import key_of
@@ -70,6 +71,37 @@ def test_derivatives_agree_with_differences_of_the_evaluated_model(kind):
         difference = moved / (0.2 * spec.prior_width)
         assert np.abs(difference).max() > 0.0
         assert jacobian[parameter] == pytest.approx(difference, abs=_RELATIVE * np.abs(difference).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "port", "weight"),
+    [
+        ("cell_wobble_6_2_sin-rx", motion_port(6, 3), lambda turn: np.sin(2.0 * turn[5])),
+        ("cell_wobble_6_2_cos-z", motion_port(6, 2), lambda turn: np.cos(2.0 * turn[5])),
+        ("cell_cross_6-5_3_sin", Port(PortKind.THETA, 5), lambda turn: np.sin(3.0 * turn[4])),
+        ("cell_cross_6-5_3_cos", Port(PortKind.THETA, 5), lambda turn: np.cos(3.0 * turn[4])),
+        ("cell_along_3-6_line_share", Port(PortKind.THETA, 2), lambda turn: turn[5]),
+        ("cell_pair_3-2_2_sin", Port(PortKind.THETA, 2), lambda turn: np.sin(2.0 * (turn[1] + turn[2]))),
+        ("cell_pair_2-2_1_cos", Port(PortKind.THETA, 1), lambda turn: np.cos(turn[1] + turn[2])),
+    ],
+)
+def test_what_follows_an_angle_follows_its_waves_or_a_share_of_it(name, port, weight):
+    rows = rows_of(state_with((), []))
+
+    (term,) = UNNAMED.terms((name,), rows)
+
+    assert term.port == port
+    assert term.weight == pytest.approx(weight(rows.turn_rad.T))
+
+
+def test_parallel_axes_that_point_against_each_other_turn_a_link_by_the_difference_of_their_angles():
+    joints = list(IRB_120.joints)
+    joints[2] = replace(joints[2], alpha_rad=np.pi)
+    rows = rows_of(state_with((), []))._replace(robot=replace(IRB_120, joints=tuple(joints)))
+
+    (term,) = UNNAMED.terms(("cell_pair_3-2_1_sin",), rows)
+
+    assert term.weight == pytest.approx(np.sin(rows.turn_rad[:, 1] - rows.turn_rad[:, 2]))
 
 
 def test_names_lead_back_to_the_cell_and_are_given_once():
