@@ -8,12 +8,15 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.unit.service.sessions.contacts.fakes import RADII_MM, Bench, planned
+from tests.unit.service.sessions.tracker.fakes import IRB120
 from tests.unit.service.sessions.tracker.operators import PatientOperator
-from truepose.domain.robot import JointRange
+from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
 from truepose.messages.message import message
+from truepose.sessions.contact.dry_run import minutes_of
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.contact.state import Question
+from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.errors import NotNowError, PersonMissingError, PlanRefusedError
 from truepose_drivers.errors import (
     BusyError,
@@ -440,9 +443,16 @@ async def test_nobody_confirms_without_a_name_or_what_is_not_asked(bench):
     assert bench.robot.moves == []
 
 
+def leaping(stop):
+    """The stop, touched in one step of 5 mm."""
+    return replace(stop, way_rad=(*stop.way_rad[:3], stop.way_rad[-1]))
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
+        ({"stops": (leaping(PLAN.stops[0]),)}, "half the stroke is 2.50 mm"),
+        ({"stops": (replace(PLAN.stops[0], way_rad=PLAN.stops[0].way_rad[:3]),)}, "at once"),
         ({"stops": ()}, "no stop"),
         ({"margin_mm": 2.6}, "half the stroke"),
         ({"touch_speed_mm_s": 0.0}, "touch_speed_mm_s"),
@@ -459,6 +469,18 @@ def test_a_plan_that_cannot_be_done_is_refused_beforehand(bench, changes, senten
 
     with pytest.raises(PlanRefusedError, match=sentence):
         runner_of(bench, plan)
+
+
+def test_a_plan_takes_its_ways_there_and_back_fast_and_its_last_steps_slowly():
+    seconds = 0.0
+    for stop in PLAN.stops:
+        tool_mm = nominal_chain(IRB120, FramePlacement(), np.array(stop.way_rad)).origin[-1]
+        fast, slow = np.split(np.linalg.norm(np.diff(tool_mm, axis=0), axis=1), [2])
+        seconds += 2.0 * (
+            fast.sum() / PLAN.tool_speed_mm_s + slow.sum() / PLAN.touch_speed_mm_s + PLAN.settle_s
+        )
+
+    assert minutes_of(PLAN, IRB120, FramePlacement()) == pytest.approx(seconds / 60.0)
 
 
 def test_the_probe_is_taken_to_where_its_centre_is_as_far_from_the_sphere_as_both_radii():

@@ -221,7 +221,7 @@ async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_an
 
     assert ended is SessionState.FINISHED
     assert "nest 1 by 0.300 mm" in operator.questions[1]
-    assert "the tracker has moved" in operator.questions[1]
+    assert "mm): the tracker has moved" in operator.questions[1]
     assert len(cell.journal.registrations) == 2
     last = cell.journal.points[-1]
     true = nest_in_world(IRB120, cell.cell.base, NESTS, last.commanded_rad, 1) + cell.tracker.arm_error_mm
