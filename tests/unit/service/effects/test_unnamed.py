@@ -252,6 +252,23 @@ def test_a_parallelogram_joins_parallel_axes_only():
     }
 
 
+def test_links_that_have_a_length_grow_and_no_others():
+    found = [c.subject for c in UNNAMED.candidates(telling_scene()) if key_of(c.names[0]).kind == "stretch"]
+
+    lengths = [abs(row.a_mm) + abs(row.d_mm) for row in IRB_120.joints]
+    assert lengths == [290.0, 0.0, 270.0, 372.0, 0.0, 72.0]
+    assert found == [f"{part}, temperature, line" for part in ("base", "link 2", "link 3", "link 5")]
+
+
+def test_a_candidate_stays_the_same_whatever_its_size():
+    one, other = candidate_of("cross"), candidate_of("along")
+    large = one.sized(3.0).sized(2.0)
+
+    assert large.same_as(one)
+    assert not other.same_as(one)
+    assert (large.size, large.specs[0].prior_width) == (6.0, pytest.approx(6.0 * one.specs[0].prior_width))
+
+
 def test_an_error_in_azimuth_turns_what_is_read_about_the_instrument():
     specs = candidate_of("azimuth").specs
     still, turned = (state_with(specs, np.array([0.0, size])) for size in (0.0, 1e-6))

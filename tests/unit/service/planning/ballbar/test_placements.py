@@ -64,9 +64,10 @@ def test_a_place_that_holds_no_setting_ball_ends_no_search_that_found_others():
     assert suggest(CELL, request).usable == 13
 
 
-def test_more_poses_than_any_place_offers_are_refused():
-    with pytest.raises(TooFewCandidatesError, match="places that were tried can 500"):
-        suggest(CELL, PlacementRequest(poses=500, draws=10, moves=0))
+@pytest.mark.parametrize(("placements", "each"), [(1, 501), (2, 251)])
+def test_more_poses_than_any_place_offers_are_refused(placements, each):
+    with pytest.raises(TooFewCandidatesError, match=f"places that were tried can {each} "):
+        suggest(CELL, PlacementRequest(placements=placements, poses=501, draws=10, moves=0))
 
 
 def test_where_nothing_is_clear_nothing_is_suggested():

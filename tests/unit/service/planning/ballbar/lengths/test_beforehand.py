@@ -80,6 +80,8 @@ def test_the_kinds_of_arms_are_all_arms(plan):
     kinds = SessionForecast(ballbar_cell(), plan, BallbarKit()).kinds()
 
     assert sum(kind.share for kind in kinds) == pytest.approx(1.0)
+    # In widths of their priors: lengths and angles as nominal, the springs of joints 2 to 6 as soft as usual.
+    assert kinds[0].mean[:25].tolist() == [0.0] * 20 + [1.0] * 5
 
 
 def test_cups_are_known_from_each_other_as_well_as_the_ballbar_measures_their_sides(plan):
