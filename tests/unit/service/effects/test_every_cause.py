@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.leg_scenes import LEG_START, leg_scene, telling_legs
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
@@ -57,3 +59,29 @@ def test_terms_are_rebuilt_from_names_alone_one_parameter_or_all(cause):
         for own, shared in zip(alone, among, strict=True):
             # waves of many orders are built up from one another: some hundred roundings
             assert own.weight == pytest.approx(shared.weight, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("cause", "more", "less", "figures"),
+    [
+        ("backlash", "short", "past", {"gap_deg": 0.03}),
+        ("joint_gain", "too_far", "not_far_enough", {"share": 3e-4}),
+        ("compliance_nonlinear", "softer", "stiffer", {"percent": 60.0, "torque_n_m": 0.5}),
+        ("thermal_growth", "grow", "shrink", {"um_per_m_k": 30.0}),
+        ("instrument_scale", "long", "short", {"um_per_m": 30.0}),
+        ("link_bending", "lower", "higher", {"sag_mm": 0.06607452}),
+        ("link_mass", "more", "less", {"extra_kg": 0.63, "stated_kg": 4.2}),
+        ("payload", "more", "less", {"extra_kg": 0.405, "stated_kg": 2.7}),
+    ],
+)
+def test_which_way_it_acts_is_another_sentence_with_the_same_figures(cause, more, less, figures):
+    scene = scene_for(cause)
+    candidate = CAUSES[cause].candidates(scene)[0]
+    values = 0.3 * np.array([spec.prior_width for spec in candidate.specs])
+
+    for sign, key in ((1.0, more), (-1.0, less)):
+        fitted = FittedCause(candidate.names, sign * values, 1e-12 * np.diag(values**2))
+        sentence = CAUSES[cause].describe(candidate.subject, fitted, scene).sentence
+        said = dict(sentence.values)
+        assert sentence.key == f"causes.{cause}.{key}"
+        assert {name: said[name] for name in figures} == pytest.approx(figures)
