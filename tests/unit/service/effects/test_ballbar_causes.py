@@ -56,6 +56,24 @@ def test_zeros_are_constants_or_grow_where_times_are_known():
     assert alone == constant
 
 
+@pytest.mark.parametrize(
+    ("later_s", "earlier_s", "outside"),
+    [(0.0, 0.0, []), (5e-4, 5e-4, []), (2e-3, 0.0, [0]), (0.0, 2e-3, [-1])],
+)
+def test_a_zero_of_a_model_acts_in_its_own_session_within_the_rounding_of_times(later_s, earlier_s, outside):
+    known = rows()
+    own = known.initialisation == 2
+    first, *_, last = known.stops.time_s[own]
+
+    (term,) = CAUSES["ballbar_zero"].terms(
+        ("zero_2",), known._replace(origin_s=first + later_s, last_s=last - earlier_s)
+    )
+
+    expected = np.ones(own.sum())
+    expected[outside] = 0.0
+    assert term.weight[own].tolist() == expected.tolist()
+
+
 def test_a_zero_acts_after_its_initialisation_and_grows_from_the_first_reading_after_it():
     constant, growing = CAUSES["ballbar_zero"].terms(("zero_2", "zerorate_2_240.000"), rows())
 
