@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.helpers.archive import written_archive
 
-CAMPAIGN = Path(__file__).parents[4] / "docs" / "examples" / "campaign"
+CAMPAIGN = Path(__file__).parents[2] / "docs" / "examples" / "campaign"
 LOADED = """
 import sys
 from truepose.cli import main
