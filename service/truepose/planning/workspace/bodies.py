@@ -27,7 +27,7 @@ from truepose.planning.ballbar.bodies import (
     chain_of,
     moved_pieces,
 )
-from truepose.planning.workspace.capsules import Capsules, gaps, gaps_mm
+from truepose.planning.workspace.capsules import Capsules, gaps, gaps_mm, join_capsules
 from truepose.planning.workspace.space import WorkSpace
 
 _NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim
@@ -38,6 +38,7 @@ _WRIST_LINKS: Final = 3  # that the tool is beside in every position
 _KEPT_OFF_MM: Final = 10.0
 _BELOW: Final = message("room.below")
 _INSIDE: Final = message("room.inside_arm")
+_IN_THE_FIXTURE: Final = message("room.inside_fixture")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,8 @@ class CellBodies:
     keep_outs : KeepOuts
     kept_off_mm : float
         Room that is wanted about keep-out volumes.
+    fixture : Capsules or None
+        Of a ballbar's base fixture, at one configuration; None: none stands there, or it is not looked at.
     """
 
     arm: BallbarCell
@@ -65,6 +68,7 @@ class CellBodies:
     floor_is_stated: bool
     keep_outs: KeepOuts = field(default_factory=KeepOuts)
     kept_off_mm: float = 0.0
+    fixture: Capsules | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +221,7 @@ def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = Fals
     tool = _tool(bodies, frames)
     found = list(_above_floor(bodies, arm, links, tool))
     found += list(_outside_keep_outs(bodies, arm, links, tool))
+    found += list(_off_the_fixture(bodies, arm, links, tool))
     found += [] if floor_only else list(_off_the_arm(bodies, arm, links, tool))
     names, places = tuple(name for name, _, _ in found), tuple(place for _, place, _ in found)
     room_mm = np.array([room for _, _, room in found]).reshape(len(found), len(joints_rad))
@@ -244,14 +249,33 @@ def _outside_keep_outs(
     bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
 ) -> Iterator[tuple[Message, Message, FloatArray]]:
     """Yield the rooms of tool and moving arm to every keep-out volume."""
-    moved = moved_pieces(bodies.arm)
-    names = [message("room.nest", nest=nest) for nest in range(1, len(tool) + 1)]
-    # What no joint moves is where the cell's owner put it.
-    names += [message("room.link", link=links[piece]) for piece in moved]
+    names, moving = _moving(bodies, arm, links, tool)
     for volume in bodies.keep_outs:
-        gap_mm = np.concatenate([gaps_mm(volume, tool), gaps_mm(volume, arm.some(moved))])
+        gap_mm = gaps_mm(volume, moving)
         for name, own in zip(names, gap_mm - bodies.kept_off_mm, strict=True):
             yield name, message("room.inside_keep_out", volume=volume.name), own
+
+
+def _off_the_fixture(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[Message, Message, FloatArray]]:
+    """Yield the rooms of tool and moving arm beside the base fixture, where one stands there."""
+    if bodies.fixture is None:
+        return
+    names, moving = _moving(bodies, arm, links, tool)
+    for name, own in zip(names, np.min(gaps(moving, bodies.fixture), axis=1), strict=True):
+        yield name, _IN_THE_FIXTURE, own
+
+
+def _moving(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> tuple[list[Message], Capsules]:
+    """Return the names of all nests and of what joints move of the arm, and these."""
+    # What no joint moves is where the cell's owner put it.
+    moved = moved_pieces(bodies.arm)
+    names = [message("room.nest", nest=nest) for nest in range(1, len(tool) + 1)]
+    names += [message("room.link", link=links[piece]) for piece in moved]
+    return names, join_capsules([tool, arm.some(moved)])
 
 
 def _off_the_arm(

@@ -1,18 +1,23 @@
 """What a ballbar session knows of its cell, and who identifies with what is there halfway."""
 
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
-from truepose.domain.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PreCalibration
 from truepose.domain.cell import BallbarKit
 from truepose.domain.errors import TrueposeError
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.robot import JointRange, Robot
 from truepose.messages.message import Text, message
+from truepose.planning.workspace.path_clearance import Ways
 from truepose.sessions.ballbar.dry_run import check_pose
 from truepose.sessions.engine.ledger import Expected
 from truepose.sessions.engine.ways import LookAtWays
 from truepose_drivers.api import Ballbar, Clock, FullRobot, MotionLimits
+
+# At ways beside the base fixture of a placement; a cup (1-based) to which the tool goes is none of it.
+LookPastFixture: TypeAlias = Callable[[PlannedPlacement, int | None, Ways], Awaitable[Text]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +28,8 @@ class BallbarCell:
     robot_controller: FullRobot
     clock: Clock
     robot: Robot
-    look_at_ways: LookAtWays  # before the arm goes them; the base fixture is not among what is looked at
+    look_at_ways: LookAtWays  # of the plan, which keeps off the base fixture
+    look_past_fixture: LookPastFixture  # at others
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
     speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
     expected: Expected = field(default_factory=Expected)  # which devices must answer

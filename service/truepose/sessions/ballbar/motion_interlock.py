@@ -15,6 +15,7 @@ from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, Step
 from truepose.domain.cell import BallbarKit
 from truepose.domain.robot import JointRange
 from truepose.messages.message import Message, Text, message
+from truepose.planning.workspace.path_clearance import Ways
 from truepose.sessions.ballbar.cell import BallbarCell
 from truepose.sessions.ballbar.dry_run import check_motion
 from truepose.sessions.ballbar.plan import steps
@@ -127,7 +128,8 @@ class InterlockedMotion:
         self._identities = identities
         self._rest = rest
         self._readings = readings
-        self._ways = KnownWays(cell.look_at_ways)
+        self._cell = cell
+        self._ways = KnownWays(cell.look_at_ways, self._look_past_fixture)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -222,6 +224,13 @@ class InterlockedMotion:
         name = message("room.way.steps", begin=now.last_stop or step.id, end=step.id)
         for course in (now.course, *now.halted):
             await self._ways.require_planned(course, name)
+
+    async def _look_past_fixture(self, ways: Ways) -> Text:
+        step, of_sphere = self._logbook.situation.step, self._plan.test is not None
+        place = next((one for one in self._plan.placements if step and one.number == step.placement), None)
+        if step is None or place is None or of_sphere:  # of the fixture of a sphere test only cup 1 is known
+            return await self._cell.look_at_ways(ways)
+        return await self._cell.look_past_fixture(place, step.base_point, ways)
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
         reading = await self._rest.look()

@@ -1,7 +1,8 @@
 """Plans of ballbar sessions: what is wanted, whether cell and kit can do it, what a worker computes."""
 
+import asyncio
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final, cast
 
@@ -13,6 +14,7 @@ from truepose.domain.ballbar import (
     BallbarPlan,
     BallbarStep,
     Leg,
+    PlannedPlacement,
     PreCalibration,
     SpherePlanRequest,
     StepKind,
@@ -22,9 +24,11 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.messages.message import Message, Text, message
+from truepose.planning.ballbar.bodies import BaseFixture, fixture_body
 from truepose.planning.ballbar.length_forecast import forecast_lengths, unseen_swaps
 from truepose.planning.workspace.bodies import CellBodies, bodies_of, rooms
 from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
+from truepose.sessions.ballbar.cell import LookPastFixture
 from truepose.sessions.ballbar.early_length_check import EarlyJudge
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.plan import steps
@@ -90,6 +94,22 @@ def _ways(moves: Sequence[BallbarStep]) -> Ways:
         names += [message("room.way.steps", begin=before.id, end=step.id)] * (len(step.via_rad) + 1)
     joints = np.array(points)
     return Ways(tuple(names), joints[:-1], joints[1:])
+
+
+def look_past_fixture_in(bodies: CellBodies) -> LookPastFixture:
+    """Return who looks at ways among the bodies of a cell and a base fixture that stands there."""
+
+    async def look(place: PlannedPlacement, cup: int | None, ways: Ways) -> Text:
+        return await asyncio.to_thread(path_warnings, beside_fixture(bodies, place, cup), ways)
+
+    return look
+
+
+def beside_fixture(bodies: CellBodies, place: PlannedPlacement, cup: int | None) -> CellBodies:
+    """Return the bodies of a cell in which the base fixture stands, without the cup that the tool goes to."""
+    fixture = BaseFixture(place.number, place.frame, np.array(place.cups_mm))
+    body = fixture_body(fixture, bodies.floor_z_mm)  # the posts of the cups come first
+    return replace(bodies, fixture=body.some([k for k in range(len(body)) if k + 1 != cup]))
 
 
 _WAITING: Final = 3  # of plans; each holds one of the sixteen places that the door has

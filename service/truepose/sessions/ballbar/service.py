@@ -18,7 +18,12 @@ from truepose.messages.message import message
 from truepose.planning.workspace.bodies import bodies_of
 from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
 from truepose.sessions.ballbar.dry_run import check_plan
-from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of, path_warnings_of_plan
+from truepose.sessions.ballbar.planning import (
+    BallbarPlanRequest,
+    kit_of,
+    look_past_fixture_in,
+    path_warnings_of_plan,
+)
 from truepose.sessions.ballbar.removal_check import BarPutAway
 from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.situation import Situation, situation
@@ -229,12 +234,14 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
 
     def _cell(self, setup: SessionSetup, speed: MotionLimits) -> BallbarCell:
         cell = self.desk.present.bound(setup.cell)
+        bodies = bodies_of(cell)
         return BallbarCell(
             ballbar=self.desk.rack.ballbar,
             robot_controller=WatchfulRobot(self.desk.rack.robot, cell.robot.joint_limits),
             clock=self.desk.rack.clock,
             robot=cell.robot,
-            look_at_ways=look_in(bodies_of(cell)),
+            look_at_ways=look_in(bodies),
+            look_past_fixture=look_past_fixture_in(bodies),
             joint_limits=cell.limits.joints,
             speed_limits=speed,
             expected=self.desk.rack.expected(),

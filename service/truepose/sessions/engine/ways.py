@@ -37,8 +37,10 @@ def look_in(bodies: CellBodies) -> LookAtWays:
 class KnownWays:
     """The ways that one run of a session knows: looked at and clear, or confirmed by whoever was told."""
 
-    def __init__(self, look: LookAtWays) -> None:
+    def __init__(self, look: LookAtWays, look_at_others: LookAtWays | None = None) -> None:
+        """Look by `look`, at what is none of the plan's by `look_at_others` where it is given."""
         self._look = look
+        self._look_at_others = look_at_others or look
         self._known: set[tuple[Joints, Joints]] = set()
         self._told: tuple[Text, Ways] | None = None  # what touches, on which ways
 
@@ -86,7 +88,7 @@ class KnownWays:
         if self._is_known(start_rad, end_rad, allowed_rad):
             return False
         ways = Ways((_FROM_HERE,), np.array([start_rad]), np.array([end_rad]))
-        found = await self._look(ways)
+        found = await self._look_at_others(ways)
         if found:
             told = message("session.way.unplanned", warning=found)
             self._told = told, ways

@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 
 from tests.unit.service.planning.test_candidates import NESTS
 from tests.unit.service.sessions.tracker.fakes import IRB120
+from truepose.domain.ballbar import PlannedPlacement
 from truepose.domain.cell import Cell, CellLimits
-from truepose.domain.robot import Nest
+from truepose.domain.robot import FramePlacement, Nest
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.messages.catalogue import english
+from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.workspace.bodies import bodies_of, rooms
 from truepose.planning.workspace.path_clearance import (
     Ways,
@@ -22,6 +24,7 @@ from truepose.planning.workspace.path_clearance import (
     touching,
     ways_between,
 )
+from truepose.sessions.ballbar.planning import beside_fixture
 from truepose.sessions.tracker.steps import Move, visit
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
@@ -121,6 +124,29 @@ def gap_by_hand(joints_rad):
     return min(
         np.linalg.norm(tool[:, :, None] - (a + share * (b - a))[:, None], axis=-1).min() - 8.0 - radius
         for a, b, radius in links
+    )
+
+
+def fixture_at(point_mm):
+    """A base fixture with its first cup at a point."""
+    frame = FramePlacement(*map(float, point_mm))
+    cups = tuple(map(tuple, base_fixture(1, frame).cups_mm.tolist()))
+    return PlannedPlacement(1, frame, cups, (), ())
+
+
+def test_a_way_into_the_base_fixture_that_stands_there_is_found_and_the_cup_gone_to_is_no_obstacle():
+    ways, bodies = way(BEFORE, np.add(BEFORE, 3)), bodies_of(STATED)
+    _, nests = points_by_hand(ways.end_rad)
+    place, far = fixture_at(nests[1][0]), fixture_at((-2000.0, 0.0, 300.0))
+
+    told = path_warnings(beside_fixture(bodies, place, None), ways)
+
+    assert "tool nest 2 would be" in english(told)
+    assert "inside the base fixture" in english(told)
+    assert path_warnings(bodies, ways) == ""
+    assert path_warnings(beside_fixture(bodies, far, None), ways) == ""
+    assert (
+        len(beside_fixture(bodies, place, 1).fixture) == len(beside_fixture(bodies, place, None).fixture) - 1
     )
 
 

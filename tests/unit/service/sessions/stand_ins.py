@@ -2,11 +2,10 @@
 
 import asyncio
 
-from truepose.planning.workspace.path_clearance import Ways
 from truepose_drivers.api import DeviceIdentity, MotionGuard, MotionLimits
 
 
-async def nothing_in_the_way(ways: Ways) -> str:
+async def nothing_in_the_way(*_: object) -> str:
     """Look at ways of a cell in which nothing stands."""
     return ""
 

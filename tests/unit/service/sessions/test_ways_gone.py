@@ -328,7 +328,9 @@ class Attended:
     def __init__(self, plan, book):
         self.plan, self.book = plan, book
         self.bench = ballbar.Bench(plan)
-        self.bench.cell = replace(self.bench.cell, look_at_ways=book.look)
+        self.bench.cell = replace(
+            self.bench.cell, look_at_ways=book.look, look_past_fixture=lambda *told: book.look(told[-1])
+        )
         self.bench.runner = self.bench._runner()
         self.robot = Watched(self.bench.robot, book)
         self.robot.session = self

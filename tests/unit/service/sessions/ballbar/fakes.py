@@ -299,7 +299,9 @@ class Bench:
         self.oracle = Oracle()
         self.suspect = Suspect(self.bar)
         self.keys = count()
-        self.cell = BallbarCell(self.bar, self.robot, self.clock, IRB120, nothing_in_the_way, LIMITS)
+        self.cell = BallbarCell(
+            self.bar, self.robot, self.clock, IRB120, nothing_in_the_way, nothing_in_the_way, LIMITS
+        )
         self.runner = self._runner()
         self.running: asyncio.Task[SessionState] | None = None
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.asking import question
-from tests.unit.service.sessions.ballbar.fakes import Bench
+from tests.unit.service.sessions.ballbar.fakes import HOME, Bench
 from tests.unit.service.sessions.ballbar.sessions import found, joints, make_plan, make_pose
 from truepose.domain.errors import UnderdeterminedError
 from truepose.domain.session import SessionState
@@ -170,6 +170,28 @@ async def test_a_planned_way_on_which_something_touches_by_now_waits_for_a_perso
         await bench.press(CommandName.CONFIRM)
         await bench.do()
         assert bench.robot.moves[before:] == [blocked, joints(1)]
+
+
+async def test_a_way_that_is_none_of_the_plans_is_looked_at_with_the_fixture_that_stands_there():
+    seen = []
+
+    async def look(place, cup, ways):
+        seen.append((place.number, cup, tuple(ways.start_rad[0].tolist())))
+        return ""
+
+    bench = Bench(PLAN)
+    bench.cell = replace(bench.cell, look_past_fixture=look)
+    bench.runner = bench._runner()
+    async with bench:
+        await bench.start()
+        await bench.until("placement-1/pose-1/move")
+        bench.robot.joints = elsewhere = (0.9, *joints(1)[1:-1], 0.1)
+        await bench.clock.advance(1.0)
+        await bench.press(CommandName.STOP)
+        await bench.press(CommandName.CONFIRM)
+        await bench.do()
+
+    assert seen == [(1, 1, HOME), (1, None, elsewhere)]
 
 
 async def test_a_halt_that_is_asked_for_while_a_motion_is_being_confirmed_comes_first():
