@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification.observations.blocks import equal_variance, of_independent, whitener
+from truepose.identification.observations.poses import position_block
 
 UNIT = np.broadcast_to(np.eye(3), (6, 3, 3))
 STOPS = np.array([4, 4, 7, 9, 9, 9])
@@ -107,3 +109,15 @@ def test_a_reading_that_is_worse_along_one_axis_has_no_one_variance():
 
     assert equal_variance(equal) == pytest.approx(np.linspace(0.5, 2.0, 6))
     assert equal_variance(leaning) is None
+
+
+@pytest.mark.parametrize(
+    ("stops", "scatter_mm", "alone"),
+    [((1, 2, 3), 0.03, 0.05**2), ((1, 1, 2), 0.0, 0.04**2), ((1, 1, 2), 0.03, None)],
+)
+def test_one_number_whitens_positions_unless_readings_of_a_stop_share_the_scatter(stops, scatter_mm, alone):
+    at = Stops(np.array(stops), np.zeros((3, 6)))
+
+    block = position_block(PointReadings(at, np.ones(3, int), np.zeros((3, 3)), np.full(3, 0.04)), scatter_mm)
+
+    assert block.lone_mm2 == (None if alone is None else pytest.approx(np.full(3, alone)))

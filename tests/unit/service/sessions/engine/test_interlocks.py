@@ -6,10 +6,17 @@ from itertools import product
 
 import pytest
 
+from tests.helpers.domain.robots import IRB_120
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
-from truepose.sessions.engine.interlocks import MotionConditions, motion_obstacle
+from truepose.sessions.engine.interlocks import (
+    MotionConditions,
+    common_ranges,
+    motion_limits,
+    motion_obstacle,
+)
+from truepose.sessions.errors import PlanRefusedError
 from truepose_drivers.api import JointReading
 
 AT = (0.1, -0.2)
@@ -107,3 +114,36 @@ def test_of_all_combinations_of_conditions_one_moves_the_arm():
 
     assert len(combinations) == 9 * 2 * 2 * 2 * 2 * 4 * 3 * 3
     assert let_through == [([values[0] for values in EVERY.values()], AT)]
+
+
+WIDE, NARROW = (JointRange(-2.0, 1.0), JointRange(-1.0, 2.0)), (JointRange(-1.0, 3.0), JointRange(-3.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "common"),
+    [
+        (WIDE, NARROW, LIMITS),
+        (NARROW, WIDE, LIMITS),
+        (WIDE, None, WIDE),
+        (None, WIDE, WIDE),
+        (None, None, None),
+    ],
+)
+def test_ranges_have_in_common_what_lies_within_both_and_unknown_ones_bind_nothing(first, second, common):
+    assert common_ranges(first, second) == common
+
+
+def test_ranges_of_robots_with_other_numbers_of_joints_have_nothing_in_common():
+    with pytest.raises(PlanRefusedError):
+        common_ranges(WIDE, WIDE[:1])
+
+
+def test_the_cell_limits_a_motion_before_the_robot_and_where_nothing_is_known_nothing_moves():
+    one, two, three = ((JointRange(-limit, limit),) * 6 for limit in (1.0, 2.0, 3.0))
+    told = replace(IRB_120, joint_limits=two, calibration_ranges=three)
+
+    assert motion_limits(told, one) == one
+    assert motion_limits(told, None) == two
+    assert motion_limits(replace(told, joint_limits=None), None) == three
+    with pytest.raises(PlanRefusedError):
+        motion_limits(replace(told, joint_limits=None, calibration_ranges=None), None)
