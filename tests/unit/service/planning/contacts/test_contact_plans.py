@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from truepose.domain.contacts import Target, TargetDistance, TargetKind
-from truepose.domain.robot import JointRange
+from truepose.domain.robot import FramePlacement, JointRange
 from truepose.exchange.cells.file import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
@@ -49,6 +49,17 @@ def test_a_probe_ends_where_its_tip_touches_at_its_zero():
         centre_mm = SPHERES[stop.targets[0] - 1].place_mm
         (tip_mm,) = tips_mm([stop.joints_rad])
         assert np.linalg.norm(tip_mm - centre_mm) == pytest.approx(16.0, abs=1e-6)
+
+
+def test_a_robot_that_stands_elsewhere_touches_where_the_targets_stand():
+    cell = replace(CELL, base_nominal=FramePlacement(40.0, -30.0, 20.0, rz_rad=0.1))
+
+    found = plan_of(cell, replace(PROBE, stops=4))
+
+    chain = nominal_chain(space_to_measure(cell, None), np.array([stop.joints_rad for stop in found.stops]))
+    centres = np.array([SPHERES[stop.targets[0] - 1].place_mm for stop in found.stops])
+    tips = chain.points(np.array(CELL.nests[1].centre_mm))
+    assert np.linalg.norm(tips - centres, axis=1) == pytest.approx(16.0, abs=1e-6)
 
 
 def test_both_spheres_are_touched_from_many_sides():

@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from tests.helpers.ballbar.cells import ballbar_cell, domain_cell
+from tests.helpers.ballbar.early_sessions import plan_of
 from tests.unit.service.sessions.ballbar.sessions import (
     CUPS,
     KIT,
@@ -14,8 +17,11 @@ from tests.unit.service.sessions.ballbar.sessions import (
     make_sphere_plan,
 )
 from tests.unit.service.sessions.tracker.fakes import IRB120
+from truepose.domain.cell import BallbarKit
 from truepose.domain.robot import JointRange
+from truepose.messages.catalogue import english
 from truepose.sessions.ballbar.dry_run import check_plan, dry_run
+from truepose.sessions.ballbar.planning import path_warnings_of_plan
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.errors import PlanRefusedError
 
@@ -105,3 +111,22 @@ def test_a_sphere_test_passes_and_reads_the_calibrator_now_and_then():
 def test_nothing_moves_where_no_limits_are_known():
     with pytest.raises(PlanRefusedError):
         motion_limits(replace(IRB120, calibration_ranges=None), None)
+
+
+def test_a_stop_that_touches_the_table_is_refused_and_a_way_near_it_is_told():
+    plan = plan_of(ballbar_cell(), poses=3)
+    (placement,) = plan.placements
+    in_the_table = replace(
+        placement.poses[1], joints_rad=tuple(np.radians([0.0, 110.0, 40.0, 0.0, 0.0, 0.0]))
+    )
+    poses = (placement.poses[0], in_the_table, placement.poses[2])
+
+    told = path_warnings_of_plan(domain_cell(), plan, BallbarKit())
+    with pytest.raises(PlanRefusedError) as refused:
+        path_warnings_of_plan(
+            domain_cell(), replace(plan, placements=(replace(placement, poses=poses),)), BallbarKit()
+        )
+
+    assert "below floor or table" in english(told)
+    assert refused.value.text.key == "room.at.step"
+    assert dict(refused.value.text.values)["step"] == "placement-1/pose-2/move"
