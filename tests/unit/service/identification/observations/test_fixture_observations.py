@@ -21,9 +21,13 @@ BALANCED_MM = 1e-5  # torques are balanced to 1e-5: 2e-8 rad at half a metre
 def test_legs_come_first_then_sides_then_clamped_cups():
     campaign, _ = ballbar_campaign()
 
-    kinds = [type(block) for block in build(campaign, EFFECTS).blocks]
+    blocks = build(campaign, EFFECTS).blocks
 
-    assert kinds == [LegBlock, SideBlock, ClampBlock]
+    assert [type(block) for block in blocks] == [LegBlock, SideBlock, ClampBlock]
+    # Sides and cups are no configurations: their numbers are below all of these, and each its own.
+    numbers = np.concatenate([block.targets.stops.config for block in blocks[1:]])
+    assert numbers.max() < 0
+    assert len(set(numbers)) == len(numbers)
 
 
 def test_a_campaign_of_legs_alone_has_legs_alone():
