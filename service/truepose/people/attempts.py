@@ -70,7 +70,6 @@ class Guesses:
         for name, bucket in buckets.items():
             bucket.tokens -= 1
             self._buckets[name] = bucket
-            self._buckets.move_to_end(name)
         while len(self._buckets) > _REMEMBERED:
             self._buckets.popitem(last=False)
 
@@ -83,7 +82,10 @@ class Guesses:
     def _bucket(self, name: str) -> _Bucket:
         """Return the bucket of a name as it is now; a full one of whoever has taken nothing."""
         now_s = self._elapsed_s()
-        bucket = self._buckets.get(name) or _Bucket(self._limit.at_once, now_s)
+        bucket = self._buckets.get(name)
+        if bucket is None:
+            return _Bucket(self._limit.at_once, now_s)
+        self._buckets.move_to_end(name)
         gained = (now_s - bucket.at_s) / self._limit.refill_s
         bucket.tokens = min(self._limit.at_once, bucket.tokens + gained)
         bucket.at_s = now_s

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from truepose.domain.people import Person, Role
-from truepose.people.attempts import FROM_ALL_ADDRESSES, Attempts, address_block
+from truepose.people.attempts import FROM_ALL_ADDRESSES, GUESSES, Attempts, address_block
 from truepose.people.errors import TooManyGuessesError
 from truepose.people.steady_time import SteadyTime
 
@@ -83,6 +83,21 @@ def test_ever_new_names_from_one_address_have_nobody_s_count_forgotten(attempts,
             raise ValueError
 
     assert not guesses(attempts, "192.168.1.10")
+
+
+def test_who_goes_on_guessing_is_not_forgotten_behind_others(attempts, monkeypatch):
+    monkeypatch.setattr("truepose.people.attempts._REMEMBERED", 20)
+    for _ in range(GUESSES):
+        attempts.guesses.take("account 1")
+
+    looked_at = 0
+    for k in range(100):
+        attempts.guesses.take(f"address 198.51.100.{k}")
+        with contextlib.suppress(TooManyGuessesError):
+            attempts.guesses.take("account 1")
+            looked_at += 1
+
+    assert looked_at == 0
 
 
 def test_places_and_tablets_of_long_ago_are_forgotten(attempts, now_s):
