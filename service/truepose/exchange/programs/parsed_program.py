@@ -15,6 +15,7 @@ from truepose.domain.correction import UncorrectedTarget
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,
+    LeftAlone,
     Motion,
     Path,
     Pose,
@@ -33,7 +34,6 @@ HOLDS_WORK: Final = message("left.holds_work")
 DISPLACED: Final = message("left.displaced")
 RELATIVE: Final = message("left.relative")
 ARC: Final = message("left.arc")
-_MOST_NAMES: Final = 3  # that a sentence lists
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +161,7 @@ class Draft:
             data=self.source.data,
             targets=tuple(map(self._with_frames, kept)),
             motions=tuple(self._motions(index_of)),
-            left_alone=tuple(self._all_left_alone(own, index_of)),
+            set_aside=tuple(self._all_left_alone(own, index_of)),
         )
 
     def _reason_against(self, target: int) -> Text | None:
@@ -201,7 +201,7 @@ class Draft:
                 yield Motion(line, index, use.path, before if use.follows else None, file)
             before = index
 
-    def _all_left_alone(self, own: Sequence[int], index_of: dict[int, int]) -> Iterator[UncorrectedTarget]:
+    def _all_left_alone(self, own: Sequence[int], index_of: dict[int, int]) -> Iterator[LeftAlone]:
         """Yield what is left alone, by line; of the files beside only what uses targets of this one."""
         entries = [
             (UncorrectedTarget(self._targets[target].line, self._targets[target].name, reason), ())
@@ -209,24 +209,14 @@ class Draft:
             if isinstance(reason := self._reason_against(target), Message)
         ]
         for entry, serving in sorted([*entries, *self._left], key=lambda pair: pair[0].line):
-            names = list(dict.fromkeys(self._targets[t].name for t in serving if t in index_of))
-            if names or self.source.is_own(entry.line):
+            used = tuple(index_of[target] for target in serving if target in index_of)
+            if used or self.source.is_own(entry.line):
                 file, line = self._place(entry.line)
-                yield UncorrectedTarget(line, entry.what, _also_corrected(entry.reason, names), file)
+                yield LeftAlone(UncorrectedTarget(line, entry.what, entry.reason, file), used)
 
     def _place(self, line: int) -> tuple[str | None, int]:
         file, number = self.source.file_and_line(line)
         return None if self.source.is_own(line) else file, number
-
-
-def _also_corrected(reason: Message, names: Sequence[str]) -> Message:
-    """Say which targets that serve for something are corrected themselves."""
-    if not names:
-        return reason
-    listed = ", ".join(names[:_MOST_NAMES])
-    if len(names) > _MOST_NAMES:
-        return message("left.also_corrected_more", reason=reason, names=listed, more=len(names) - _MOST_NAMES)
-    return message("left.also_corrected", reason=reason, names=listed)
 
 
 def _names(use: Use) -> tuple[str, ...]:

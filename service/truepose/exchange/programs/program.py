@@ -10,8 +10,8 @@ file, whatever its encoding. Names are shown as UTF-8 where they are that.
 
 import bisect
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import accumulate
 from typing import Final, Literal, NoReturn, TypeAlias
@@ -20,7 +20,7 @@ from truepose.domain.correction import UncorrectedTarget, place
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import BadValueError, InputFileError, UnreadableFileError
 from truepose.exchange.quantities import limits_of
-from truepose.messages.message import Message, Text
+from truepose.messages.message import Message, Text, message
 
 Triple: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -168,6 +168,29 @@ class Motion:
     file: str | None = None
 
 
+_MOST_NAMES: Final = 3  # that a sentence lists
+
+
+@dataclass(frozen=True, slots=True)
+class LeftAlone:
+    """Something that is left alone, and the targets that serve for it."""
+
+    target: UncorrectedTarget
+    serving: tuple[int, ...] = ()  # indices among the targets
+
+    def beside(self, corrected: Mapping[int, str]) -> UncorrectedTarget:
+        """Return it with the names of the targets that serve for it and are corrected themselves."""
+        names = list(dict.fromkeys(corrected[index] for index in self.serving if index in corrected))
+        if not names:
+            return self.target
+        reason, listed, more = self.target.reason, ", ".join(names[:_MOST_NAMES]), len(names) - _MOST_NAMES
+        if more > 0:
+            told = message("left.also_corrected_more", reason=reason, names=listed, more=more)
+        else:
+            told = message("left.also_corrected", reason=reason, names=listed)
+        return replace(self.target, reason=told)
+
+
 @dataclass(frozen=True, slots=True)
 class Program:
     """A robot program as it was read; `data` is the file, `again` reads the same file with other numbers."""
@@ -177,8 +200,20 @@ class Program:
     data: bytes = field(repr=False)
     targets: tuple[ProgramTarget, ...]
     motions: tuple[Motion, ...]
-    left_alone: tuple[UncorrectedTarget, ...]
+    set_aside: tuple[LeftAlone, ...]
     again: Callable[[bytes], "Program"] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def left_alone(self) -> tuple[UncorrectedTarget, ...]:
+        """What is left alone, as far as the program tells: where every target can be corrected."""
+        return self.left_beside(range(len(self.targets)))
+
+    def left_beside(self, corrected: Iterable[int]) -> tuple[UncorrectedTarget, ...]:
+        """Return what is left alone where the targets of these indices are corrected."""
+        # What could not be corrected in the end was named here as corrected, beside its own line that says
+        # that it is left alone.
+        names = {index: self.targets[index].name for index in corrected}
+        return tuple(one.beside(names) for one in self.set_aside)
 
 
 class TargetConventions(StrEnum):

@@ -139,10 +139,10 @@ def corrected_program(
         for index, reason in reasons.items()
         if reason is not None
     )
-    everything = sorted((*program.left_alone, *left), key=lambda one: one.line)
     goals, found = goals.taken(kept), found.taken(kept)
     cautions = tuple(prediction_cautions(model, goals.at(found.joints_rad))) if len(kept) else ()
     corrected = tuple(index for index in rows if index not in missed)
+    everything = sorted((*program.left_beside(corrected), *left), key=lambda one: one.line)
     return CorrectedProgram(written, corrected, goals, found, tuple(everything), cautions, data)
 
 

@@ -67,6 +67,18 @@ def test_a_target_with_an_external_axis_is_left_alone_with_the_reason(external):
     assert "external axes" in english(answer.left_alone[0].reason)
 
 
+@pytest.mark.parametrize(("external", "named"), [("12.5,9E9", False), ("9E9,9E9", True)])
+def test_only_what_is_corrected_is_named_as_corrected_beside_what_is_left_alone(external, named):
+    used = b"fine,t\\WObj:=w;\n    MoveL Offs(p0,0,0,50),v100,fine,t\\WObj:=w;"
+    data = drawn_rapid(f"{external},9E9,9E9,9E9,9E9").replace(b"fine,t\\WObj:=w;", used)
+
+    answer = corrected_program(irb(), read_program(data, "m.mod"))
+
+    (offset,) = [left for left in answer.left_alone if left.what.startswith("MoveL Offs")]
+    assert english(offset.reason).endswith("corrected in the file: p0") is named
+    assert ("p0" in {left.what for left in answer.left_alone}) is not named
+
+
 def test_a_quadrant_follows_the_axis_that_a_correction_takes_across_its_border():
     joints = np.radians(np.tile([20.0, 30, -25, 40, 50, 60], (40, 1)))
     joints[:, 3] = np.radians(np.linspace(89.0, 91.0, 40))
