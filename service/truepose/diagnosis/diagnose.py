@@ -20,7 +20,7 @@ from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.verdict.outliers import within_reach
+from truepose.identification.verdict.outliers import with_set_aside, within_reach
 from truepose.messages.message import Text, message, together
 
 Progress = Callable[[float, Text], None]
@@ -82,7 +82,11 @@ def diagnose(
         return unanswerable(campaign, effects or (), start.doubt)
     tell(0.6, message("job.doing.judging_unseen"))
     answer = assemble_answer(start, first, selected, propose, without, tell)
-    return replace(answer, message=together(answer.message, reached.sentence))
+    return replace(
+        answer,
+        message=together(answer.message, reached.sentence),
+        model=with_set_aside(answer.model, reached),
+    )
 
 
 def propose_candidates(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:

@@ -43,7 +43,12 @@ from truepose.identification.problem.build import (
 from truepose.identification.verdict import status as verdict
 from truepose.identification.verdict.identifiability import not_identifiable
 from truepose.identification.verdict.judge import Assessment, judge, pure_error
-from truepose.identification.verdict.outliers import ReachableCampaign, outliers, within_reach
+from truepose.identification.verdict.outliers import (
+    ReachableCampaign,
+    outliers,
+    with_set_aside,
+    within_reach,
+)
 from truepose.identification.verdict.relative_accuracy import (
     judged_by_positions,
     relative_errors,
@@ -117,6 +122,7 @@ def _with_set_aside(answer: Identification, reached: ReachableCampaign) -> Ident
         answer,
         message=together(answer.message, reached.sentence),
         outliers=outliers,
+        model=with_set_aside(answer.model, reached),
         counts=replace(answer.counts, outliers=len(outliers)),
     )
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.campaign import Campaign, Quantity, Readings
-from truepose.domain.identification import Outlier
+from truepose.domain.identification import Model, Outlier
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.verdict.conventions import reach_mm
@@ -64,6 +64,27 @@ class ReachableCampaign:
         """Return outliers of the readings that are left, and those set aside, by their rows in the table."""
         placed = (replace(outlier, row=int(self.rows[outlier.row])) for outlier in outliers)
         return tuple(sorted((*self.outliers, *placed), key=lambda outlier: outlier.row))
+
+
+def with_set_aside(model: Model | None, reached: ReachableCampaign) -> Model | None:
+    """Return a model that counts the readings set aside among those without weight.
+
+    Parameters
+    ----------
+    model : Model or None
+        Of the readings that are left.
+    reached : ReachableCampaign
+
+    Returns
+    -------
+    Model or None
+    """
+    aside = len(reached.outliers)
+    if model is None or not aside:
+        return model
+    told = model.identified_from
+    counted = {name: int(told[name]) + aside for name in ("readings", "readings_without_weight")}
+    return replace(model, identified_from={**told, **counted})
 
 
 def within_reach(campaign: Campaign) -> ReachableCampaign:

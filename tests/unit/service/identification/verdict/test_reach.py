@@ -50,7 +50,8 @@ def test_one_impossible_position_leaves_the_model_as_it_is_without_it(campaign, 
     assert (outlier.row, outlier.config) == (ROW, campaign.calibration.stops.config[ROW])
     assert "no place of the arm gives that" in english(outlier.reason)
     assert "1 reading that this arm cannot reach was set aside beforehand" in english(answer.message)
-    assert answer.counts.outliers == 1
+    assert answer.counts.outliers == answer.model.identified_from["readings_without_weight"] == 1
+    assert answer.model.identified_from["readings"] == len(campaign.calibration)
 
 
 @pytest.mark.parametrize("value", [1e5, *IMPOSSIBLE[2:]])
@@ -102,6 +103,7 @@ def test_a_diagnosis_sets_them_aside_and_says_so(campaign):
     answer = diagnose(with_position(campaign, 1e29, 0), ("base", "geometry"))
 
     assert answer.after.max_mm < 1.0
+    assert answer.model.identified_from["readings_without_weight"] == 1
     assert "1 reading that this arm cannot reach was set aside beforehand" in english(answer.message)
 
 
