@@ -16,7 +16,7 @@ from truepose.exchange.models.file import model_text
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, Text, message
 from truepose.sessions.closing import papers_of_cell
-from truepose.storage.records import ModelRecord, SessionSetup, StateChange
+from truepose.storage.records import CampaignRecord, ModelRecord, SessionSetup, StateChange
 from truepose.web.context import Context
 from truepose.web.pages.rendering import moment
 from truepose.web.pages.session_history import acts_of_session
@@ -218,14 +218,34 @@ async def conditions_of_sessions(
     )
 
 
-async def conditions_of_campaign(here: Context, campaign_id: int, words: Catalogue) -> "ReportConditions":
-    """Return the conditions of the sessions that a campaign is made of, else what came with its upload."""
-    from truepose.reports.traceability import ReportConditions
-
+async def conditions_of_result(
+    here: Context, campaign_id: int, recorded_at: str, words: Catalogue
+) -> "ReportConditions":
+    """Return the conditions of the readings that a result is of, and when it was recorded."""
     campaign = await here.campaigns.get(campaign_id)
+    stated = _as_stated(campaign)
     if campaign.session_ids:
-        return await conditions_of_sessions(here, campaign.session_ids, words)
-    return ReportConditions(simulated=campaign.simulated, notes=campaign.summary.notes)
+        stated = await conditions_of_sessions(here, campaign.session_ids, words)
+    return replace(stated, written_at=moment(recorded_at))
+
+
+def _as_stated(campaign: CampaignRecord) -> "ReportConditions":
+    """Return what came with an upload."""
+    from truepose.reports.traceability import Instrument, ReportConditions
+
+    told = campaign.summary
+    serial, certificate = told.instrument_serial_number or "", told.certificate or ""
+    known = Instrument(
+        "instrument", model=told.instrument or "", serial_number=serial, certificate=certificate
+    )
+    return ReportConditions(
+        simulated=campaign.simulated,
+        instruments=(known,) if told.instrument or serial or certificate else (),
+        robot_serial_number=told.robot_serial_number or "",
+        person=told.measured_by or "",
+        measured_at=told.measured_on or "",
+        notes=told.notes,
+    )
 
 
 def _closing_of(numbers: Sequence[int], closings: Sequence[Closing | None]) -> Message:

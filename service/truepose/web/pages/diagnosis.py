@@ -17,7 +17,7 @@ from truepose.storage.records import DiagnosisRecord, SessionRecord
 from truepose.storage.results.items import WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
-from truepose.web.pages.conditions import conditions_of_campaign
+from truepose.web.pages.conditions import conditions_of_result
 from truepose.web.pages.records import missing, record_at, trail_of
 from truepose.web.pages.rendering import Visited, Whole, moment
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
@@ -135,14 +135,13 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
 
 
 async def _conditions(here: Context, record: DiagnosisRecord, words: Catalogue) -> "ReportConditions":
-    stated = await conditions_of_campaign(here, record.campaign_id, words)
+    stated = await conditions_of_result(here, record.campaign_id, record.recorded_at, words)
     serial = stated.robot_serial_number or record.robot_serial_number
     return replace(
         stated,
         simulated=record.simulated,
         robot_serial_number=serial,
         measured_at=record.measured_at or "",
-        written_at=moment(record.recorded_at),
     )
 
 

@@ -16,7 +16,7 @@ from truepose.storage.records import IdentificationRecord, ModelRecord, Validati
 from truepose.storage.results.items import WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
-from truepose.web.pages.conditions import conditions_of_campaign
+from truepose.web.pages.conditions import conditions_of_result
 from truepose.web.pages.records import missing, record_at, trail_of
 from truepose.web.pages.rendering import Visit, Visited, Whole, render, render_part
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
@@ -148,7 +148,7 @@ async def _identification(here: Context, number: int, choice: Choice, words: Cat
     content = await here.campaigns.content(record.campaign_id)
     return Drawable(
         record.id,
-        lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
+        lambda spoken: conditions_of_result(here, record.campaign_id, record.recorded_at, spoken),
         lambda whole: StoredIdentification(found, content, whole, words.tag),
     )
 
@@ -206,7 +206,7 @@ async def _validation(here: Context, number: int, choice: Choice, words: Catalog
     content = await here.campaigns.content(record.campaign_id)
     return Drawable(
         record.id,
-        lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
+        lambda spoken: conditions_of_result(here, record.campaign_id, record.recorded_at, spoken),
         lambda whole: StoredValidation(record.validation, model, content, whole, words.tag),
     )
 

@@ -1,12 +1,14 @@
 """Reports over the web: listed, searched, shown, printed; the same content is made once."""
 
 import re
+from datetime import date
 
 import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import nothing_fitted, two_findings
-from tests.helpers.domain.builders import make_campaign
+from tests.helpers.domain.builders import make_campaign, make_identification
 from tests.helpers.web.clients import command
+from tests.helpers.web.pages import Page
 from tests.integration.web.bench import session_request
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.analysis.job_queue.tasks import DrawTask
@@ -47,6 +49,23 @@ def diagnosed(client, until, worker):
         return int(job["result_url"].rsplit("/", 1)[1])
 
     return ask
+
+
+async def test_an_identification_and_a_diagnosis_state_what_their_campaign_states(client, until, worker):
+    told = make_campaign(measured_on=date(2026, 3, 3), robot_serial_number="120-5")
+    archive = {"content": write_campaign_zip(told), "headers": {"Content-Type": "application/zip"}}
+    campaign_id = (await client.post("/api/v1/campaigns", **archive)).json()["id"]
+
+    for kind, resource, answer in (
+        ("identification", "identifications", make_identification(model=None)),
+        ("diagnosis", "diagnoses", nothing_fitted()),
+    ):
+        worker.answer = answer
+        asked = await client.post(f"/api/v1/{resource}", json={"campaign_id": campaign_id})
+        await until(asked.headers["Location"], "state", "succeeded")
+        page = Page((await client.get(f"/reports/{kind}/1")).text).text
+        assert "Measured 2026-03-03" in page
+        assert "serial number 120-5" in page
 
 
 async def test_there_is_nothing_before_anything_was_made(client):
