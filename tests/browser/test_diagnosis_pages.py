@@ -46,6 +46,19 @@ def test_the_map_fits_the_tablet_and_is_told_to_those_who_cannot_see_it(service,
     assert tablet.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+def test_the_line_below_the_arm_has_lengths_and_no_nan(service, tablet):
+    tablet.goto(service.diagnosed(service.measured_session("left arm"), two_findings()))
+
+    said = tablet.locator("robot-view").evaluate("""(view) => {
+        const poses = [{ config: 4, before_mm: 0.4224, after_mm: 0.0465 }];
+        view.space = { poses, times_before: 100, times_after: 2000 };
+        view.caption();
+        return view.part("pose").textContent;
+    }""")
+
+    assert said == "Configuration 4: off by 0.422 mm before, by 0.047 mm with the identified model."
+
+
 def test_the_list_leads_to_the_report(service, tablet):
     service.diagnosed(service.measured_session("left arm"), consistent())
 

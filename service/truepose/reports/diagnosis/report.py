@@ -205,10 +205,14 @@ def _map_row(cell: MapEntry, words: Catalogue) -> tuple[str, str, str, str]:
     return where, words.name(cell.over), told, share_text(cell.share) or MISSING
 
 
-def _origin(model: Model, words: Catalogue) -> Iterator[tuple[str, str | int | float]]:
+def _origin(model: Model, words: Catalogue) -> Iterator[tuple[str, str | int]]:
     """Yield what the model says of its readings beside their name, in words."""
     told = model.identified_from.items()
-    return ((words.name(name.replace("_", " ")), said) for name, said in told if name != _CAMPAIGN)
+    return (
+        (words.name(name.replace("_", " ")), f"{said:,.3f}" if isinstance(said, float) else said)
+        for name, said in told
+        if name != _CAMPAIGN
+    )
 
 
 def _named_campaign(model: Model | None) -> str:

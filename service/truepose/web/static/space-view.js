@@ -6,8 +6,11 @@ import { answerTo, answered } from "./api.js";
 export const number = (value) =>
   new Intl.NumberFormat(document.documentElement.lang, { maximumSignificantDigits: 3 }).format(value);
 
+// Text, such as a length with its unit, stays as it is.
+const told = (value) => (typeof value === "number" ? number(value) : value);
+
 export function filled(words, values) {
-  return words.replace(/\{(\w+)\}/g, (_, name) => number(values[name]));
+  return words.replace(/\{(\w+)\}/g, (_, name) => told(values[name]));
 }
 
 export class SpaceView extends HTMLElement {
