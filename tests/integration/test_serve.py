@@ -281,7 +281,7 @@ def test_a_port_in_use_is_one_sentence_and_status_3(database_url, refused):
         status, out, err = refused(Settings(database_url, port=port))
 
     assert (status, out) == (3, "")
-    assert err.startswith(f"Nothing can listen at 127.0.0.1:{port}")
+    assert err.startswith(f"Another program listens at 127.0.0.1:{port}: end it, or choose another --port.")
     assert err.endswith(" [TP-7003]\n")
     assert err.count("\n") == 1
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import errno
 import functools
 import json
 import logging
@@ -240,15 +241,20 @@ class _Server(uvicorn.Server):
         yield
 
 
+def _cannot_listen(host: str, port: int, error: Exception) -> str:
+    if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
+        return f"Another program listens at {host}:{port}: end it, or choose another --port."
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return f"Nothing can listen at {host}:{port} ({reason}): choose another --host or --port."
+
+
 @contextlib.contextmanager
 def _listening(host: str, port: int) -> Iterator[socket.socket]:
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         listener = socket.create_server((host, port), family=family)
     except (OSError, OverflowError) as error:
-        raise PortInUseError(
-            f"Nothing can listen at {host}:{port} ({error}); stop what does, or choose another --port."
-        ) from error
+        raise PortInUseError(_cannot_listen(host, port, error)) from error
     # Connections inherit it. asyncio sets it only where a socket names its protocol, which create_server
     # leaves open; without it the body of an answer waits 40 ms for the acknowledgement of its head.
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

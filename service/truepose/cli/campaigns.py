@@ -152,7 +152,8 @@ def predict_command(
 
     Example: truepose predict robot.json points.csv --out predicted.csv
     """
-    from truepose.exchange.tables.files import read_points_to_predict, write_predictions
+    from truepose.exchange.import_wizard.single_table import read_points_to_predict
+    from truepose.exchange.tables.files import write_predictions
     from truepose.identification import predict
     from truepose.validation.cautions import prediction_cautions
 

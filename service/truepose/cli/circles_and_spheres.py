@@ -14,6 +14,7 @@ from truepose.cli.files import (
     Language,
     LimitMm,
     ReportFile,
+    UMm,
     require_folders,
     require_limit,
 )
@@ -38,6 +39,7 @@ def circles_command(
     points: Annotated[Path, typer.Argument(help="Measured points: one joint turned at a time (CSV).")],
     robot: Annotated[str, typer.Option(help="Shipped robot, robot or cell file, scenario, or model file.")],
     limit_mm: LimitMm = None,
+    u_mm: UMm = None,
     report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
@@ -50,7 +52,7 @@ def circles_command(
 
     require_folders(report)
     require_limit(limit_mm)
-    subject, readings = _read(points, robot)
+    subject, readings = _read(points, robot, u_mm)
     test = circle_test(readings)
     if report is not None:
         from truepose.reports.circles import CircleReport
@@ -61,12 +63,12 @@ def circles_command(
     return 1 if test.joints_without else 0
 
 
-def _read(points: Path, given: str) -> "tuple[Robot, PointReadings]":
+def _read(points: Path, given: str, u_mm: float | None) -> "tuple[Robot, PointReadings]":
     from truepose.domain.campaign import PointReadings
-    from truepose.exchange.tables.files import read_validation_file
+    from truepose.exchange.import_wizard.single_table import read_validation_file
 
     robot, nests = _robot(given)
-    table = read_validation_file(points, robot.n_joints, nests)
+    table = read_validation_file(points, robot.n_joints, nests, u_mm=u_mm)
     remark(map(english, table.ignored))
     if not isinstance(table.readings, PointReadings):
         raise ConfigurationError(

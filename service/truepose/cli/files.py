@@ -35,6 +35,12 @@ ReportFile = Annotated[
     Path | None, typer.Option(help="Write a self-contained report here: .html, or .pdf to print and sign.")
 ]
 LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes.")]
+UMm = Annotated[
+    float | None,
+    typer.Option(
+        "--u-mm", min=1e-6, help="Standard uncertainty of each reading [mm], where no column says it."
+    ),
+]
 MaxShiftMm = Annotated[
     float | None,
     typer.Option(

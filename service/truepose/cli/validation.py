@@ -13,6 +13,7 @@ from truepose.cli.files import (
     LimitMm,
     MaxShiftMm,
     ReportFile,
+    UMm,
     require_folders,
     require_limit,
 )
@@ -39,6 +40,7 @@ def validate_command(
     model: Annotated[Path, typer.Argument(help="Model file.")],
     points: Annotated[Path, typer.Argument(help="Measured rows that the model was not made from.")],
     limit_mm: LimitMm = None,
+    u_mm: UMm = None,
     decision_rule: Annotated[
         Rule, typer.Option(help="Count the uncertainty of the readings (ISO 14253-1), or not.")
     ] = Rule.GUARD_BAND,
@@ -74,7 +76,7 @@ def validate_command(
     require_folders(report)
     words = catalogue(language)
     checked = checked_model(model, max_shift_mm, words, accept_edited=accept_edited, robot_follows=False)
-    identified, readings = checked.model, _readings(checked.model, points, words)
+    identified, readings = checked.model, _readings(checked.model, points, u_mm, words)
     rule: DecisionRule = "simple" if decision_rule is Rule.SIMPLE else "guard band"
     answer = validate(identified, readings, limit_mm=limit_mm, rule=rule)
     test = _pose_test(identified, readings) if iso9283 else None
@@ -101,14 +103,15 @@ def validate_command(
     return 0 if answer.passed else 1
 
 
-def _readings(identified: "Model", points: Path, words: Catalogue) -> "Readings":
-    from truepose.exchange.tables.files import read_validation_file
+def _readings(identified: "Model", points: Path, u_mm: float | None, words: Catalogue) -> "Readings":
+    from truepose.exchange.import_wizard.single_table import read_validation_file
 
     measured = read_validation_file(
         points,
         identified.robot.n_joints,
         [nest.nest for nest in identified.nests],
         identified.targets,
+        u_mm,
     )
     remark(map(words.spoken, measured.ignored))
     return measured.readings

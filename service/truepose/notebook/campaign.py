@@ -1,7 +1,9 @@
 """A campaign in a notebook: from a folder, a zip, or tables in memory."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args, overload
 
@@ -14,6 +16,7 @@ from truepose.exchange.campaigns.folder import campaign_files, campaign_from_arr
 from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.exchange.tables.table_reader import Arrays
 from truepose.messages.catalogue import english
+from truepose.messages.message import Message
 from truepose.notebook import display
 from truepose.notebook.display import frame_of_text
 from truepose.notebook.inputs import (
@@ -22,6 +25,7 @@ from truepose.notebook.inputs import (
     columns_of,
     known_robot,
     read_if_path,
+    readings_given,
     robot_keys,
     with_limits_of,
 )
@@ -76,7 +80,7 @@ class Campaign:
         """What was not understood and is ignored, and which installed causes cannot be used, as sentences."""
         return (*map(english, self.data.ignored), *unusable_causes())
 
-    def to_frame(self, role: Role = "calibration") -> "DataFrame":
+    def to_frame(self, role: Role = "calibration") -> DataFrame:
         """Return one table as a DataFrame with the columns of the file format, angles in deg.
 
         Raises
@@ -221,7 +225,7 @@ def read_campaign(
         raise ConfigurationError(
             "Readings need their robot: give robot=..., a shipped name or the rows of its table."
         )
-    roles = _arrays(source, validation, tables or {})
+    roles, remarks = _arrays(source, validation, tables or {})
     found = known_robot(robot)
     described = {
         **robot_keys(robot, found),
@@ -231,7 +235,8 @@ def read_campaign(
         **({} if repeatability_mm is None else {"robot_repeatability_mm": repeatability_mm}),
         **{key: _plain(value) for key, value in (keys or {}).items()},
     }
-    return Campaign(with_limits_of(campaign_from_arrays(described, roles), found))
+    campaign = with_limits_of(campaign_from_arrays(described, roles), found)
+    return Campaign(replace(campaign, ignored=(*remarks, *campaign.ignored)))
 
 
 def campaign_given(given: Campaign | str | Path) -> Campaign:
@@ -240,17 +245,28 @@ def campaign_given(given: Campaign | str | Path) -> Campaign:
     return read_if_path(given, Campaign, read_campaign, advice)
 
 
-def _arrays(source: Table, validation: Table | None, tables: Mapping[Role, Table]) -> dict[str, Arrays]:
-    """Return the tables by role; lengths and readings without positions are legs and contacts."""
-    given = columns_of(source, "calibration")
+def _arrays(
+    source: Table, validation: Table | None, tables: Mapping[Role, Table]
+) -> tuple[dict[str, Arrays], tuple[Message, ...]]:
+    """Return the tables by role, and what their columns were taken for.
+
+    Lengths and readings without positions are legs and contacts.
+    """
+    given, remarks = _readings(source, "calibration")
     told = (own for column, own in _ROLES_BY_COLUMN.items() if column in given and "x_mm" not in given)
     first, held_out = next(told, ("calibration", "validation"))
     roles: dict[str, Arrays] = {first: given}
     if validation is not None:
-        roles[held_out] = columns_of(validation, held_out)
+        roles[held_out], more = _readings(validation, held_out)
+        remarks += more
     for role, table in tables.items():
         roles[_known(role)] = columns_of(table, role)
-    return roles
+    return roles, remarks
+
+
+def _readings(given: Table, name: str) -> tuple[Arrays, tuple[Message, ...]]:
+    table = readings_given(given, name)
+    return (columns_of(given, name) if table.imported is None else table.imported.columns), table.remarks
 
 
 def _known(role: Role) -> Role:

@@ -1,5 +1,7 @@
 """The single-axis circle test in a notebook."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +15,7 @@ from truepose.exchange.tables.files import held_out_readings
 from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import TableOrFile, known_robot, named_data
+from truepose.notebook.inputs import TableOrFile, known_robot, readings_given
 from truepose.notebook.model import Model
 from truepose.reports.circles import CircleReport, circle_table, circle_test_sentences
 from truepose.validation.circle_test import CircleTest, circle_test
@@ -56,7 +58,7 @@ class CircleErrors:
         """What `truepose circles --json` prints."""
         return circle_document(self.answer, self.robot).printed()
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return the errors at all stops [mm, deg], one row per stop, joint and nest.
 
         Raises MissingExtraError where pandas is not installed.
@@ -122,10 +124,13 @@ def circles(points: TableOrFile, robot: Model | str | Path) -> CircleErrors:
     Circle test of ABB IRB 120: 1 circle, 0 withheld
     """
     arm = _robot(robot)
-    table = held_out_readings(*named_data(points, "points"), arm.n_joints, _NESTS)
+    given = readings_given(points, "points")
+    table = given.read(lambda name, data: held_out_readings(name, data, arm.n_joints, _NESTS))
     if not isinstance(table.readings, PointReadings):
         raise ConfigurationError("The rows hold lengths: a circle test takes positions, x_mm y_mm z_mm.")
-    return CircleErrors(circle_test(table.readings), arm.name, tuple(map(english, table.ignored)))
+    return CircleErrors(
+        circle_test(table.readings), arm.name, tuple(map(english, (*given.remarks, *table.ignored)))
+    )
 
 
 def _robot(given: Model | str | Path) -> Robot:

@@ -1,5 +1,7 @@
 """Corrected targets in a notebook."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -75,7 +77,7 @@ class Corrections:
         """Of where the tool will really be, per axis, shape (n,)."""
         return self.found.uncertainty_mm
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return one row per target: `target, branch, q1_deg.., error_mm, u_mm, status`.
 
         Raises MissingExtraError where pandas is not installed.

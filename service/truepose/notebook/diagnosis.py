@@ -1,5 +1,7 @@
 """Diagnosis in a notebook."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,7 +73,7 @@ class Diagnosis:
         """What `truepose diagnose --json` prints."""
         return diagnosis_document(self.answer)
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return one row per finding, small ones last: effect, subject, amplitude in its unit, and so on.
 
         `rms_before_mm` and `rms_after_mm` are of held-out readings, without and with that finding. Raises
@@ -79,7 +81,7 @@ class Diagnosis:
         """
         return frame([_row(finding) for finding in self.answer.all_findings])
 
-    def plot(self, finding: int | None = None) -> "Figure | None":
+    def plot(self, finding: int | None = None) -> Figure | None:
         """Return the curve of a finding in the residuals, or without a number the errors before and after.
 
         Parameters
@@ -99,7 +101,7 @@ class Diagnosis:
         """
         return self._errors() if finding is None else self._curve(finding)
 
-    def _errors(self) -> "Figure | None":
+    def _errors(self) -> Figure | None:
         from truepose.reports.figures.histograms import plain_comparison
 
         errors, after = self.answer.errors, self.answer.after
@@ -109,7 +111,7 @@ class Diagnosis:
         before_mm, after_mm = (mm[np.isfinite(mm)] for mm in norms)
         return plain_comparison(before_mm, after_mm, after.noise_mm)
 
-    def _curve(self, number: int) -> "Figure | None":
+    def _curve(self, number: int) -> Figure | None:
         from truepose.reports.figures.residuals import plain_residual_curve
 
         findings = self.answer.all_findings

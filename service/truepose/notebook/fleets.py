@@ -1,5 +1,7 @@
 """Fleets in a notebook: what robots of one type share, and which of them changes over months."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -61,7 +63,7 @@ class Fleet:
     _held: tuple[Measured, ...] = ()
 
     @property
-    def changes(self) -> "DataFrame":
+    def changes(self) -> DataFrame:
         """Return one row a named change, the clearest first; raises MissingExtraError.
 
         What changed (robot, instrument, or the type), its cause, as a line or a step, since which day, its
@@ -70,7 +72,7 @@ class Fleet:
         """
         return frame([_row(one) for one in self.account.named])
 
-    def forecast(self, limit_mm: float) -> "DataFrame":
+    def forecast(self, limit_mm: float) -> DataFrame:
         """Return when each change that goes on passes a limit, with the days of 5 % and 95 %."""
         fleet = self.account.fleet
         each = ((one, passing(fleet, one, limit_mm)) for one in self.account.named)
@@ -81,7 +83,7 @@ class Fleet:
             if found is not None
         ])
 
-    def course(self, number: int) -> "DataFrame":
+    def course(self, number: int) -> DataFrame:
         """Return how a named change (1 for the first) went: one row a campaign or day after the first.
 
         `size_mm` is by how much it is seen to differ from the first, along the change as it was named,
@@ -93,7 +95,7 @@ class Fleet:
         found = along(self.account, told[0])
         return frame({"day": found.day, "size_mm": found.size_mm, "u_mm": found.u_mm})
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return one row a parameter: the type's value, how robots differ, and how well that is known.
 
         In the units that files use: mm, deg, rad/(N*mm).

@@ -1,5 +1,7 @@
 """Identification in a notebook."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,14 +72,14 @@ class Identification:
         """What `truepose identify --json` prints."""
         return identification_document(self.answer, self.campaign.robot.name)
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return one row per parameter: name, effect, value, unit, standard uncertainty, prior width.
 
         Angles in deg, lengths in mm. Raises MissingExtraError where pandas is not installed.
         """
         return frame(self.document["parameters"])
 
-    def plot(self) -> "Figure | None":
+    def plot(self) -> Figure | None:
         """Return the histogram of errors before and after, on the readings that judge the model.
 
         Held-out readings where there are any, else those of the calibration; None without a model. The figure

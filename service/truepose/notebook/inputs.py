@@ -1,5 +1,7 @@
 """What a notebook gives: files, tables, arrays, and the robot they are of."""
 
+import csv
+import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +15,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Robot
 from truepose.exchange.document import read_bytes
 from truepose.exchange.errors import BadValueError
+from truepose.exchange.import_wizard.single_table import SingleTable, single_table
 from truepose.exchange.robots.named import campaign_keys, named_robot, without_masses
 from truepose.exchange.tables.points import POSITION
 from truepose.exchange.tables.table_reader import Arrays, TableData
@@ -74,6 +77,7 @@ TableOrFile: TypeAlias = Table | Path | str
 # Arrays of shape (n, J) or (n, 3) that stand for as many columns.
 _BLOCKS: Final = {"joints_deg": "q{}_deg", "joints_rad": "q{}_rad", "dir": "dir{}", "tau_Nm": "tau{}_Nm"}
 _POSITION: Final = "position_mm"
+_FIRST_JOINT: Final = "q1_deg"
 
 
 def named_data(given: TableOrFile, name: str) -> tuple[str, TableData]:
@@ -88,6 +92,36 @@ def named_data(given: TableOrFile, name: str) -> tuple[str, TableData]:
         file = Path(given)
         return file.name, read_bytes(file)
     return name, columns_of(given, name)
+
+
+def readings_given(given: TableOrFile, name: str) -> SingleTable:
+    """Return measured rows or stops: in the file format, or as any program calls its columns.
+
+    Raises
+    ------
+    InputFileError
+        The file cannot be read, or holds what nobody can have meant.
+    ConfigurationError
+        What is given is no table.
+    """
+    if isinstance(given, str | Path):
+        return single_table(Path(given).name, read_bytes(Path(given)))
+    columns = columns_of(given, name)
+    if _FIRST_JOINT in columns:
+        return SingleTable(name, columns)
+    found = single_table(name, _text(columns))
+    return SingleTable(name, columns) if found.imported is None else found
+
+
+def _text(columns: Arrays) -> bytes:
+    """Return columns as the text of a CSV file, what is not known as an empty cell."""
+    file = io.StringIO()
+    cells = [
+        ["" if value is None or value != value else value for value in column.tolist()]
+        for column in columns.values()
+    ]
+    csv.writer(file).writerows([columns, *zip(*cells, strict=True)])
+    return file.getvalue().encode()
 
 
 def columns_of(table: Table, name: str) -> Arrays:

@@ -1,5 +1,7 @@
 """Predictions in a notebook."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +14,7 @@ from truepose.identification import predict as predict_positions
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import TableOrFile, named_data
+from truepose.notebook.inputs import TableOrFile, readings_given
 from truepose.notebook.model import Model, model_given
 from truepose.reports.rounding import millimetres
 from truepose.validation.cautions import prediction_cautions
@@ -52,7 +54,7 @@ class Predictions:
     standard_uncertainty_mm: FloatArray
     remarks: tuple[str, ...]
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return one row per prediction: `config, nest, x_mm, y_mm, z_mm, u_mm`.
 
         Raises MissingExtraError where pandas is not installed.
@@ -120,8 +122,9 @@ def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     """
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
-    table = points_to_predict(*named_data(points, "points"), data.robot.n_joints, nests)
+    given = readings_given(points, "points").of_every_nest()
+    table = given.read(lambda name, rows: points_to_predict(name, rows, data.robot.n_joints, nests))
     stops, nest = table.of_each_nest(nests)
     position_mm, uncertainty_mm = predict_positions(data, stops, nest)
-    remarks = tuple(map(english, (*table.ignored, *prediction_cautions(data, table.stops))))
+    remarks = tuple(map(english, (*given.remarks, *table.ignored, *prediction_cautions(data, table.stops))))
     return Predictions(stops.config, nest, position_mm, uncertainty_mm, remarks)

@@ -1,5 +1,7 @@
 """The ballbar sphere test in a notebook."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +52,7 @@ class SphereErrors:
         """What `truepose sphere --json` prints."""
         return sphere_document(self.answer, self.campaign.robot.name).printed()
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return the figures [mm], one row per ball, nest, model and centre.
 
         Raises MissingExtraError where pandas is not installed.

@@ -1,5 +1,7 @@
 """Validation in a notebook."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,7 +22,7 @@ from truepose.identification import judge
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import STATISTICS, change, count_text, frame, rows_of
-from truepose.notebook.inputs import TableOrFile, named_data
+from truepose.notebook.inputs import TableOrFile, readings_given
 from truepose.notebook.model import Model, model_given
 from truepose.reports.pose_test import pose_test_table, withheld_sentences
 from truepose.validation.cautions import pose_test_caution, validation_cautions
@@ -75,7 +77,7 @@ class Validation:
             return document
         return document | {"iso9283": pose_test_document(self.pose_test)}
 
-    def to_frame(self) -> "DataFrame":
+    def to_frame(self) -> DataFrame:
         """Return the statistics [mm], one row for each quantity and model.
 
         Raises MissingExtraError where pandas is not installed.
@@ -86,7 +88,7 @@ class Validation:
             for model, figures in (("nominal", pair.nominal), ("identified", pair.identified))
         ])
 
-    def plot(self, what: Literal["errors", "distances", "places"] = "errors") -> "Figure":
+    def plot(self, what: Literal["errors", "distances", "places"] = "errors") -> Figure:
         """Return errors of the nominal and the identified model as a figure of matplotlib.
 
         Parameters
@@ -203,8 +205,13 @@ def validate(
         raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
-    table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests, data.targets)
+    given = readings_given(points, "points")
+    table = given.read(
+        lambda name, rows: held_out_readings(name, rows, data.robot.n_joints, nests, data.targets)
+    )
     answer = validate_model(data, table.readings, limit_mm=limit_mm, rule=rule)
-    remarks = tuple(map(english, (*table.ignored, *validation_cautions(data, table.readings))))
+    remarks = tuple(
+        map(english, (*given.remarks, *table.ignored, *validation_cautions(data, table.readings)))
+    )
     test = pose_test(data, table.readings) if iso9283 else None
     return Validation(answer, data, table.readings, remarks, test)

@@ -48,7 +48,7 @@ from truepose.exchange.robots.named import campaign_keys
 from truepose.identification.verdict.conventions import Change
 from truepose.messages.message import Message, message
 
-_SPREADS: Final = ("u_mm", "cxx", "u_along_mm")
+SPREADS: Final = ("u_mm", "cxx", "u_along_mm")
 _OF_ANOTHER_FORM: Final = (MissingEntryError, MissingFileError, UnreadableFileError, WrongUnitError)
 _OF_THE_FOLDER: Final = frozenset({"files", "format", "dhm_nominal"})  # keys that are made anew
 _ROLES_READ: Final = ("calibration", "validation", "legs", "validation_legs")
@@ -249,7 +249,7 @@ def _of_robot(found: Found) -> list[Question]:
 
 
 def _of_uncertainty(gathered: _Gathered, scatter_mm: float | None) -> list[Question]:
-    said_so = all(any(name in table.columns for name in _SPREADS) for table in gathered.tables.values())
+    said_so = all(any(name in table.columns for name in SPREADS) for table in gathered.tables.values())
     known = said_so or gathered.choices.u_mm is not None or scatter_mm is not None
     return [] if known else [Question("uncertainty", message("bring.ask.uncertainty"))]
 
@@ -285,7 +285,7 @@ def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Ca
 
 
 def _with_uncertainty(table: ImportedTable, u_mm: float | None) -> ImportedTable:
-    if u_mm is None or any(name in table.columns for name in _SPREADS[:1]):
+    if u_mm is None or any(name in table.columns for name in SPREADS[:1]):
         return table
     return replace(table, columns={**table.columns, "u_mm": np.full(len(table), u_mm)})
 

@@ -192,6 +192,11 @@ def by_role(sheets: Sequence[DetectedTable]) -> dict[str, ImportedTable]:
     return {role: _numbered(join_readings(parts), several=len(parts) > 1) for role, parts in found.items()}
 
 
+def own_table(one: DetectedTable) -> ImportedTable:
+    """Return one sheet by itself, its stops numbered; raises InputFileError at a torn row or a bad cell."""
+    return _numbered(in_format(one.sheet, one.meanings), several=False)
+
+
 def _with_joints(points: ImportedTable, joints: ImportedTable) -> ImportedTable:
     """Return points with the angles of another table: by their number, else row by row."""
     rows = _rows_of(points, joints)

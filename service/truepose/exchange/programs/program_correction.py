@@ -27,6 +27,7 @@ from truepose.correction import (
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.correction import UncorrectedTarget
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.exchange.programs.correction_request import branch_of_words
 from truepose.exchange.programs.formats import format_of
@@ -105,8 +106,10 @@ def corrected_program(
     Raises
     ------
     ConfigurationError
-        The program is of an arm with another number of joints, or the model needs measured torques.
+        The program is of an arm with another number of joints, the model needs measured torques, or a tool or
+        work object is defined that the program does not name.
     """
+    _require_named(program, understood.defined)
     counted = program.format == _COUNTS_FROM_THE_HORIZONTAL
     # How FANUC counts joint 3 is for the user to say; assumed wrongly, every joint target would be off by the
     # angle of joint 2.
@@ -150,6 +153,16 @@ def _nests(model: Model) -> dict[str, Pose]:
     """Return the tool nests as tools, by the names that lists of targets give them."""
     places = enumerate(tool_nests_mm(model).tolist(), start=1)
     return {nest_frame(nest).name: Pose((x, y, z), AT_THE_ORIGIN.quaternion) for nest, (x, y, z) in places}
+
+
+def _require_named(program: Program, defined: Mapping[str, Pose]) -> None:
+    frames = [frame for target in program.targets for frame in (target.tool, target.work_object)]
+    named = dict.fromkeys(frame.name for frame in frames if frame is not None)
+    known = {name.casefold() for name in named}
+    for name in defined:
+        if name.casefold() not in known:
+            there = f"it names {', '.join(named)}" if named else "it names none"
+            raise ConfigurationError(f"{program.name} names no tool or work object {name}; {there}.")
 
 
 def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:

@@ -128,11 +128,6 @@ class ValidationFile:
     ignored: tuple[Message, ...]
 
 
-def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) -> PointsToPredict:
-    """Read the file of a table as `points_to_predict` does; raises InputFileError."""
-    return points_to_predict(file.name, read_bytes(file), n_joints, nests)
-
-
 def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> PointsToPredict:
     """Read `config`, the joints and what else is known of each stop; measured values do not matter.
 
@@ -173,13 +168,6 @@ def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collecti
         nest=table.optional_whole("nest"),
         ignored=_sentences(name, ignored_columns(table)),
     )
-
-
-def read_validation_file(
-    file: Path, n_joints: int, nests: Collection[int], targets: Sequence[Target] = ()
-) -> ValidationFile:
-    """Read the file of a table as `held_out_readings` does; raises InputFileError."""
-    return held_out_readings(file.name, read_bytes(file), n_joints, nests, targets)
 
 
 def held_out_readings(

@@ -81,3 +81,11 @@ def test_every_function_says_what_it_takes_gives_and_raises(name):
 
     assert "Raises\n------" in told
     assert missing == []
+
+
+@pytest.mark.parametrize("name", [name for name in _NAMES if name[0].islower()])
+def test_help_begins_with_what_somebody_would_type(name):
+    signature = str(inspect.signature(getattr(truepose, name)))
+
+    assert "numpy" not in signature
+    assert len(signature) < 600

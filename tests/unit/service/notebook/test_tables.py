@@ -5,7 +5,7 @@ import pytest
 
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import BadValueError, MissingFileError
-from truepose.notebook.inputs import columns_of, named_data
+from truepose.notebook.inputs import columns_of, named_data, readings_given
 
 
 def test_blocks_stand_for_columns():
@@ -109,3 +109,19 @@ def test_the_name_of_a_file_is_kept(tmp_path):
     assert named_data(tmp_path / "held-out.csv", "points") == ("held-out.csv", b"config\n1\n")
     with pytest.raises(MissingFileError, match=r"absent\.csv: there is no such file\."):
         named_data(str(tmp_path / "absent.csv"), "points")
+
+
+def test_headings_of_other_programs_are_understood_as_the_browser_does():
+    angles = {"Pose": [1, 2], "A1 [rad]": [0.5, np.pi], "A2 [deg]": [1.0, 2.0]}
+    table = angles | {f"{axis} [m]": [0.3, np.nan] for axis in "XYZ"}
+
+    found = readings_given(table, "points")
+
+    assert isinstance(found.data, dict)
+    assert found.data["q1_deg"] == pytest.approx(np.rad2deg([0.5, np.pi]))
+    assert found.data["x_mm"] == pytest.approx([300.0, np.nan], nan_ok=True)
+    assert found.assumed >= {"nest"}
+
+
+def test_what_has_no_joints_is_left_as_it_is():
+    assert list(readings_given({"X [m]": [0.3]}, "points").data) == ["X [m]"]

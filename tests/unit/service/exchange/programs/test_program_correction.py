@@ -168,6 +168,13 @@ def test_a_tool_that_the_file_only_names_is_asked_for_and_taken():
     assert defined.names == ("jHome", "pOne")
 
 
+def test_a_tool_that_the_file_does_not_name_is_refused():
+    program = read_program(module(), "weld.mod")
+
+    with pytest.raises(ConfigurationError, match=r"names no tool or work object tGum; it names .*tGun"):
+        corrected_program(model(), program, ProgramOptions(defined={"tGum": TOOL}))
+
+
 def test_joints_of_a_fanuc_are_left_alone_because_they_count_from_the_horizontal():
     text = (
         "/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
