@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+from truepose.domain.robot import JointRange
 from truepose.planning.ballbar.arm_model import Scatter, arm_model
 from truepose.planning.ballbar.bodies import base_fixture
 from truepose.planning.ballbar.expected_information import (
@@ -176,3 +177,17 @@ def test_poses_are_chosen_for_the_volume_where_accuracy_counts(twenty):
 
     assert {tuple(joints) for joints in for_box.joints_rad} != {tuple(joints) for joints in twenty.joints_rad}
     assert for_box.promised.mean_mm < twenty.promised.mean_mm
+
+
+def test_the_work_space_is_drawn_within_the_ranges_and_above_the_table():
+    pose = reach(ballbar_cell(), FIXTURES[0]).joints_rad[0]
+    narrow = replace(ballbar_cell(), ranges=tuple(JointRange(q - 1e-3, q + 1e-3) for q in pose))
+
+    sample = work_space_sample(arm_model(narrow), 20, np.random.default_rng(1))
+
+    middle, _ = arm_model(narrow).nests(np.array([pose]))
+    apart = np.linalg.norm(sample.position_mm.reshape(20, 3, 3) - middle, axis=2)
+    assert 0.1 < apart.max() < 8.0  # six joints of 0.001 rad, a metre away at most
+    assert not len(
+        work_space_sample(arm_model(replace(narrow, table_z_mm=5000.0)), 5, np.random.default_rng(1)).motion
+    )
