@@ -5,7 +5,7 @@ from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import read_joints, read_panel
-from truepose_drivers.abb_rws.protocol import FULL_PERCENT, Execution, controller_state
+from truepose_drivers.abb_rws.protocol import FULL_PERCENT, Execution
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import NotInitialisedError
@@ -35,10 +35,9 @@ class RwsCompanion:
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
-        await self._session.open()
+        await self._session.log_in()
         async with introduction(self._session):
-            # The login goes with the first question, so a wrong password shows here and not under way.
-            await self._session.get(protocol.CONTROLLER_STATE, controller_state)
+            await self._note_speed()
 
     async def close(self) -> None:
         """End the session, then close the link; never raises."""
@@ -63,8 +62,11 @@ class RwsCompanion:
     async def read_joints(self) -> JointReading:
         """Ask where the joints are, and how fast the arm may be; also while it moves."""
         # Whoever cuts the next motion to a length asks for the joints just before.
-        self._speed_percent = await self._session.get(protocol.SPEED_RATIO, protocol.speed_percent)
+        await self._note_speed()
         return await read_joints(self._session, self._clock)
+
+    async def _note_speed(self) -> None:
+        self._speed_percent = await self._session.get(protocol.SPEED_RATIO, protocol.speed_percent)
 
     async def last_words(self) -> str:
         """Return the newest entry of the event log."""

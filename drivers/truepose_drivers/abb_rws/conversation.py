@@ -10,10 +10,10 @@ from collections.abc import Callable
 from typing import Final, TypeVar
 
 from truepose_drivers.abb_rws import http
-from truepose_drivers.abb_rws.protocol import LOGOUT, error_sentence
+from truepose_drivers.abb_rws.protocol import CONTROLLER_STATE, LOGOUT, controller_state, error_sentence
 from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError, DriverError
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, OverPort
+from truepose_drivers.transports.link import Link, OverPort, introduction
 
 # A controller ends a connection after 400 requests, in the middle of whatever.
 _MOST_REQUESTS: Final = 300
@@ -47,6 +47,13 @@ class RwsSession(OverPort):
         """Connect and begin a session of its own; raises ConnectFailedError."""
         self._forget()
         await self._conversation.open()
+
+    async def log_in(self) -> None:
+        """Open, and ask a first question; raises ConnectFailedError, DeviceRefusedError."""
+        await self.open()
+        async with introduction(self):
+            # The login goes with it, so a wrong password shows here and not under way.
+            await self.get(CONTROLLER_STATE, controller_state)
 
     async def leave(self) -> None:
         """Log out, for sessions are few, then close the connection; never raises."""

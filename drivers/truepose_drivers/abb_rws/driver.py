@@ -11,7 +11,7 @@ from typing import Final
 
 from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
 from truepose_drivers.abb_rws import protocol
-from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, RwsCompanion, login_of
+from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, login_of
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_joints, read_panel
@@ -61,7 +61,6 @@ class RwsRobot:
         known = login or Login(protocol.USER, protocol.PASSWORD)
         self._session = RwsSession(link, known)
         self._clock = clock
-        self._watch = RwsCompanion(self._session, clock)
         self._program = RapidProgram(self._session, patience or Patience())
         self._limits = MotionLimits()
         self._one_motion = asyncio.Lock()
@@ -73,11 +72,11 @@ class RwsRobot:
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
-        await self._watch.connect()
+        await self._session.log_in()
 
     async def close(self) -> None:
         """End the session, then close the link; never raises."""
-        await self._watch.close()
+        await self._session.leave()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for serial number, robot type and RobotWare version."""

@@ -96,6 +96,7 @@ async def test_an_arm_that_cannot_move_is_not_sent_anywhere(spoil, match):
 
 async def test_an_override_that_somebody_turns_down_is_told_before_the_next_motion():
     bench = Bench()
+    bench.controller.speed_percent = 70.0
     async with connected(bench) as robot:
         told = [robot.motion_guard]
         bench.controller.speed_percent = 40.0
@@ -104,7 +105,7 @@ async def test_an_override_that_somebody_turns_down_is_told_before_the_next_moti
         began_s = bench.cell.clock.now_s
         await robot.move_joints(AWAY)
 
-    assert told == [MotionGuard(longest_piece_s=1.0, speed_share=share) for share in (1.0, 0.4)]
+    assert told == [MotionGuard(longest_piece_s=1.0, speed_share=share) for share in (0.7, 0.4)]
     assert bench.cell.clock.now_s - began_s == pytest.approx(60.0 / (0.4 * 20.0), abs=0.1)  # so slow it is
 
 
