@@ -67,7 +67,7 @@ def test_terms_are_rebuilt_from_names_alone_one_parameter_or_all(cause):
         ("backlash", "short", "past", {"gap_deg": 0.03}),
         ("joint_gain", "too_far", "not_far_enough", {"share": 3e-4}),
         ("compliance_nonlinear", "softer", "stiffer", {"percent": 60.0, "torque_n_m": 0.5}),
-        ("thermal_growth", "grow", "shrink", {"um_per_m_k": 30.0}),
+        ("thermal_growth", "grow", "shrink", {"um_per_m_k": 30.0, "over_um": 180.147}),
         ("instrument_scale", "long", "short", {"um_per_m": 30.0}),
         ("link_bending", "lower", "higher", {"sag_mm": 0.06607452}),
         ("link_mass", "more", "less", {"extra_kg": 0.63, "stated_kg": 4.2}),
@@ -84,4 +84,4 @@ def test_which_way_it_acts_is_another_sentence_with_the_same_figures(cause, more
         sentence = CAUSES[cause].describe(candidate.subject, fitted, scene).sentence
         said = dict(sentence.values)
         assert sentence.key == f"causes.{cause}.{key}"
-        assert {name: said[name] for name in figures} == pytest.approx(figures)
+        assert {name: said[name] for name in figures} == pytest.approx(figures, rel=1e-5)

@@ -1,10 +1,14 @@
 """The tail of weighted sums of chi-square variables, against closed forms and against drawing them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.special import betainccinv
 
-from truepose.diagnosis.screening.significance import tail_probability
+from truepose.diagnosis.screening.normal_equations import Products, Sums
+from truepose.diagnosis.screening.significance import chance_beside, tail_probability
 
 UNEQUAL = np.array([3.0, 1.0, 0.5, 0.1])
 NU = 20
@@ -72,3 +76,20 @@ def test_weights_that_only_rounding_made_do_not_count():
     noisy = np.append(UNEQUAL, np.full(40, 1e-16))
 
     assert tail_probability(14.0, noisy, NU) == tail_probability(14.0, UNEQUAL, NU)
+
+
+@pytest.mark.parametrize(("towards", "alike"), [(0.0, 1.0), (12.0, 1.0), (12.0, 2.0), (18.0, 1.0)])
+def test_a_column_beside_a_pool_is_judged_by_the_f_test_of_what_it_leaves(towards, alike):
+    column = 3.0 * np.eye(1, 30)
+    products = Products(column, np.zeros((1, 4)), np.array([towards]))
+    past = SimpleNamespace(
+        sums=Sums(residual_square=60.0, degrees=26.0, observations=30.0, alike=alike),
+        absorbed=lambda products: np.zeros((1, 4)),
+        towards=lambda products, absorbed: products.with_residual,
+    )
+
+    found = chance_beside(products, np.array([1e6]), past, tried=5)
+
+    explained, degrees = (towards / 3.0) ** 2, 26.0 / alike - 1.0
+    alone = stats.f.sf(explained / ((60.0 - explained) / degrees), 1, degrees)
+    assert found == pytest.approx(min(1.0, 5 * alone), rel=1e-6)
