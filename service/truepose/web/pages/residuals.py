@@ -13,17 +13,9 @@ from truepose.web.pages.rendering import Visit, Visited
 _Judged: TypeAlias = IdentificationRecord | ValidationRecord | DiagnosisRecord
 router = APIRouter(include_in_schema=False)
 _VARIABLES: Final = (
-    "joint",
-    "torque",
-    "reach",
-    "x",
-    "y",
-    "z",
-    "number",
-    "time",
-    "temperature",
-    "attachment",
-)
+    "readings.joint", "readings.torque", "readings.reach", "readings.x", "readings.y", "readings.z",
+    "readings.number", "readings.time", "readings.temperature", "readings.attachment",
+)  # fmt: skip
 # What scripts fill into a sentence about a reading, and into one about a class of a histogram.
 _OF_READING: Final = ("config", "nest", "after", "before", "expected", "variable", "value")
 _OF_CLASS: Final = ("from", "to", "before", "after")
@@ -57,7 +49,7 @@ def _page(visit: Visit, kind: WorkKind, record: _Judged | None) -> HTMLResponse:
         record=record,
         result=address_of(kind, record.id),
         title=title_of(kind, record.id, visit.words),
-        variables={name: say(f"readings.{name}", number="<number>") for name in _VARIABLES},
+        variables={key.removeprefix("readings."): say(key, number="<number>") for key in _VARIABLES},
         of_reading=say("readings.reading", **{name: f"<{name}>" for name in _OF_READING}),
         of_class=say("readings.class", **{name: f"<{name}>" for name in _OF_CLASS}),
     )
