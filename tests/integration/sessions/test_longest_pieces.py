@@ -90,9 +90,9 @@ def rack_of(robot, clock):
 KINDS_BESIDE = ("tracker", "pose_tracker", "ballbar", "linear_gauge")
 
 
-def cell_of(kind, rack):
+def cell_of(kind, rack, present=None):
     """Return the cell that a session of this kind is run on."""
-    desk = SessionService(None, None, rack)
+    desk = SessionService(None, None, rack, present)
     sessions = {
         "tracker": lambda: TrackerSessions(desk, None, None)._cell(SETUPS[kind], SLOW, first_pass=False),
         "camera": lambda: TrackerSessions(desk, None, None)._cell(SETUPS[kind], SLOW, first_pass=False),
