@@ -1,4 +1,4 @@
-"""The campaign folder that the README shows, through the commands that the README shows."""
+"""The campaign folder of the examples, and the commands that the README shows."""
 
 import csv
 import json
@@ -17,6 +17,7 @@ from tests.helpers.commands import typed
 
 _CHECKOUT = Path(__file__).parents[3]
 _FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"
+_PASSED = "Mean error 0.527 mm before (nominal), 0.027 mm after; largest 0.0627 mm, limit 0.2 mm: pass."
 
 
 def _truepose(*arguments, cwd):
@@ -80,14 +81,15 @@ def test_the_example_model_predicts_the_rows_it_is_given(identified, tmp_path):
 
 def test_the_commands_of_the_readme_work_one_after_the_other(tmp_path):
     readme = (_CHECKOUT / "README.md").read_text(encoding="utf-8")
-    lines = re.findall(r"^truepose ((?:identify|validate|diagnose) .*)$", readme, flags=re.MULTILINE)
-    shutil.copytree(_FOLDER, tmp_path / "docs" / "examples" / "campaign")
+    lines = re.findall(r"^truepose ((?:import|diagnose|validate) .*)$", readme, flags=re.MULTILINE)
+    shutil.copytree(_CHECKOUT / "docs" / "examples" / "wave", tmp_path / "docs" / "examples" / "wave")
 
     first, *others = (shlex.split(line) for line in lines)
     done = [_truepose(*first, cwd=tmp_path), *(typed(*line, cwd=tmp_path) for line in others)]
 
-    assert [line.split()[0] for line in lines] == ["identify", "validate", "diagnose"]
+    assert [line.split()[0] for line in lines] == ["import", "diagnose", "validate"]
     assert [run.returncode for run in done] == [0] * 3, "".join(run.stderr for run in done)
-    assert "0.0278" in readme and "0.0278" in done[0].stdout
-    assert "nothing else was found" in done[2].stdout
+    assert "\n".join(done[1].stdout.splitlines()[:2]) in readme
+    assert " ".join(done[2].stdout.split())[: len(_PASSED)] == _PASSED
+    assert _PASSED in readme
     assert (tmp_path / "diagnosis.html").is_file()
