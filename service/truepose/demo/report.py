@@ -140,7 +140,8 @@ async def _stored(database: Path, number: int) -> Diagnosis:
 
 
 def diagnosis_lines(document: dict[str, Any]) -> Iterator[str]:
-    """Yield the message and, of each finding, the sentence with how sure it is."""
+    """Yield outcome and message and, of each finding, the sentence with how sure it is."""
+    yield document["outcome"]
     yield f"Diagnosis: {document['message']}"
     for number, finding in enumerate(document["findings"], start=1):
         yield f"  {number}. {finding['sentence']} ({finding['confidence']})"

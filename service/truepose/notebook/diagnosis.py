@@ -21,6 +21,7 @@ from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.display import STATISTICS, change_of, count_text, finding_texts, frame, rows_of
 from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
+from truepose.validation.outcome import outcome_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -140,7 +141,7 @@ class Diagnosis:
         left = () if rest in self.message else (rest,)
         findings = [finding_texts(number, f) for number, f in enumerate(self.answer.all_findings, start=1)]
         return display.page(
-            display.paragraphs((self.message,)),
+            display.paragraphs((english(outcome_of(self.answer)), self.message)),
             display.table("Findings", head, findings, numbers_from=3) if findings else display.paragraphs(()),
             display.table(
                 f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2

@@ -19,6 +19,7 @@ from truepose.notebook.display import STATISTICS, change, count_text, frame, par
 from truepose.notebook.fleets import Fleet
 from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
+from truepose.validation.outcome import outcome_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,7 +128,11 @@ class Identification:
             for group in self.answer.not_identifiable
         ]
         return display.page(
-            display.paragraphs((f"{self._title}: {self._configurations()}", self.message)),
+            display.paragraphs((
+                english(outcome_of(self.answer)),
+                f"{self._title}: {self._configurations()}",
+                self.message,
+            )),
             display.table(
                 f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2
             ),

@@ -27,6 +27,7 @@ from truepose.notebook.model import Model, model_given
 from truepose.reports.pose_test import pose_test_table, withheld_sentences
 from truepose.validation.cautions import pose_test_caution, validation_cautions
 from truepose.validation.iso9283.pose_test import PoseTest, pose_test
+from truepose.validation.outcome import outcome_of
 from truepose.validation.validate import validate as validate_model
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ class Validation:
     def _repr_html_(self) -> str:
         rows = [row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)]
         return display.page(
-            display.paragraphs((self._outcome(),)),
+            display.paragraphs((english(outcome_of(self.answer)), self._outcome())),
             display.table("Errors, mm", STATISTICS, rows, numbers_from=2),
             *self._pose_figures(),
             display.paragraphs(self.remarks),

@@ -3,10 +3,13 @@
 from truepose.demo.report import diagnosis_lines
 
 
-def test_a_diagnosis_without_findings_is_its_message():
-    assert list(diagnosis_lines({"message": "Nothing was found.", "findings": []})) == [
-        "Diagnosis: Nothing was found."
-    ]
+OUTCOME = "Mean error 0.499 mm before (nominal), 0.033 mm after; no limit stated: validate."
+
+
+def test_a_diagnosis_without_findings_is_its_outcome_and_its_message():
+    document = {"outcome": OUTCOME, "message": "Nothing was found.", "findings": []}
+
+    assert list(diagnosis_lines(document)) == [OUTCOME, "Diagnosis: Nothing was found."]
 
 
 def test_every_finding_says_how_sure_it_is():
@@ -15,6 +18,7 @@ def test_every_finding_says_how_sure_it_is():
         {"sentence": "The base moves.", "confidence": "likely"},
     ]
 
-    lines = list(diagnosis_lines({"message": "The model lacks two causes.", "findings": findings}))
+    document = {"outcome": OUTCOME, "message": "The model lacks two causes.", "findings": findings}
+    lines = list(diagnosis_lines(document))
 
-    assert lines[1:] == ["  1. Joint 6 is off by a wave. (certain)", "  2. The base moves. (likely)"]
+    assert lines[2:] == ["  1. Joint 6 is off by a wave. (certain)", "  2. The base moves. (likely)"]

@@ -100,6 +100,11 @@ def answers(campaign, identified, model, diagnosed):
     return _shown((campaign, identified, model, diagnosed, judged, predicted, plan))
 
 
+@pytest.mark.parametrize("name", ["Identification", "Diagnosis", "Validation"])
+def test_a_result_begins_with_its_outcome(answers, name):
+    assert answers[name]._repr_html_().startswith("<div><p>Mean error ")
+
+
 @pytest.mark.parametrize(
     "name", ["Campaign", "Identification", "Model", "Diagnosis", "Validation", "Predictions", "Plan"]
 )
