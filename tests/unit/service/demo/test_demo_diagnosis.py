@@ -2,7 +2,6 @@
 
 from truepose.demo.report import diagnosis_lines
 
-
 OUTCOME = "Mean error 0.499 mm before (nominal), 0.033 mm after; no limit stated: validate."
 
 
