@@ -18,7 +18,7 @@ from tests.unit.service.sessions.ballbar.sessions import KIT, found, make_plan
 from tests.unit.service.sessions.contacts import fakes as contacts
 from tests.unit.service.sessions.tracker import fakes as tracker
 from tests.unit.service.sessions.tracker.test_camera_sessions import camera_cell
-from truepose.domain.session import SessionState
+from truepose.domain.session import PlannedStop, SessionState, Work
 from truepose.messages.catalogue import english
 from truepose.messages.message import message
 from truepose.sessions.ballbar.plan import steps
@@ -143,7 +143,7 @@ class Unattended:
 
     def __init__(self, kind, book):
         self.kind, self.book = kind, book
-        self.bench = {"tracker": tracker.FakeCell, "camera": camera_cell, "contact": contacts.Bench}[kind]()
+        self.bench = {"camera": camera_cell, "contact": contacts.Bench}.get(kind, tracker.FakeCell)()
         self.robot = Watched(self.bench.robot, book)
         self.robot.session = self
         self.restart = False
@@ -151,6 +151,8 @@ class Unattended:
         self.asked = 0
         self.nest = 4 if kind == "camera" else 1
         self.stops = tuple(replace(tracker.make_stop(config), nest=self.nest) for config in range(1, 6))
+        if kind == "drift":
+            self.stops = working_stops(*(stop.joints_rad for stop in self.stops))
 
     async def add(self, stop):
         """Add a stop; it comes last, after a question."""
@@ -166,8 +168,9 @@ class Unattended:
         if self.kind == "contact":
             cell = self.bench.cell(look_at_ways=self.book.look)
             return ContactRunner(GAUGES, cell, self.bench.journal, entries)
-        measures = "poses" if self.kind == "camera" else "points"
-        plan = tracker.make_plan(stops=self.stops, measures=measures, registration_readings=2)
+        changes = {"measures": "poses"} if self.kind == "camera" else {}
+        changes |= {"approach_offset_rad": None, "reference_every": 99} if self.kind == "drift" else {}
+        plan = tracker.make_plan(stops=self.stops, registration_readings=2, **changes)
         cell = replace(self.bench.cell, look_at_ways=self.book.look)
         return TrackerRunner(plan, cell, self.bench.journal, entries)
 
@@ -201,6 +204,13 @@ class Unattended:
             return
         self.book.answered(english(prompt.message))
         await self.runner.act(act(prompt.answered_by))
+
+
+def working_stops(first, *others):
+    """Return one place, read before and after the arm went round all of them for a minute."""
+    work = Work(60.0, (*reversed(others), first))
+    again = PlannedStop(2, first, 1, repeat_of=1, begin_rad=others[0], group=2, work=work)
+    return PlannedStop(1, first, 1, begin_rad=others[0], group=1), again
 
 
 async def by_hand(session):
@@ -261,6 +271,30 @@ async def test_a_session_of_configurations_goes_no_way_that_nobody_looked_at(kin
 
     assert book.unseen() == []
     assert len(book.gone) > 5
+
+
+DRIFT_ACTS = {
+    "nothing": {},
+    "a pause at work": {9: ("press", act(PAUSE))},
+    "the link is lost at work": {9: ("lose_link",)},
+    "a target is refused at work": {9: ("refuse",)},
+    "the program is killed at work": {9: ("die",)},
+    "the program is killed at work, twice": {5: ("die",), 12: ("die",)},
+    "work is left out": {9: ("press", act(SKIP, "stop-2"))},
+}
+
+
+@NARROW
+@pytest.mark.parametrize("acts", DRIFT_ACTS.values(), ids=DRIFT_ACTS)
+async def test_an_arm_that_keeps_itself_warm_goes_no_way_that_nobody_looked_at(acts, narrow):
+    book = Book(narrow=narrow)
+    session = Unattended("drift", book)
+    plan_acts(session.robot, acts)
+
+    assert await session.to_the_end() is SessionState.FINISHED
+
+    assert book.unseen() == []
+    assert len(book.gone) > 9
 
 
 CONTACT_ACTS = {
