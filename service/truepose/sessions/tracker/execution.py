@@ -122,10 +122,14 @@ class Execution:
         # From the ledger's time and not from when this began: a killed service goes on working until the same
         # moment (decision 0046).
         end_s = await clock.now_s() + left_s
-        while self._place or await clock.now_s() < end_s:
+        while self._place or (self._is_wanted(work) and await clock.now_s() < end_s):
             await self._move(work.places_rad[self._place])
             self._place = (self._place + 1) % len(work.places_rad)
             await clock.sleep(_REST_S)
+
+    def _is_wanted(self, work: Work) -> bool:
+        """Whether the stop that the work comes before was not left out meanwhile."""
+        return any(stop.work is work for stop in self._logbook.situation.left)
 
     async def _note(self, text: Text) -> None:
         await self._logbook.write(EntryKind.NOTED, text=text)

@@ -14,6 +14,7 @@ from tests.unit.service.sessions.tracker.operators import PatientOperator, run_s
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, SessionState, Work
 from truepose.messages.catalogue import english
+from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import PlanRefusedError
 from truepose.sessions.tracker.dry_run import dry_run
 from truepose.sessions.tracker.runner import TrackerRunner
@@ -119,6 +120,22 @@ async def test_whoever_goes_on_within_a_round_goes_to_its_next_place():
 
     assert SessionState.PAUSED in [state for state, _, _ in cell.journal.states]
     assert cell.robot.moves[4:8] == [*_ROUND, *_ROUND]
+
+
+async def test_work_before_a_visit_that_is_left_out_ends_with_its_round():
+    cell = FakeCell()
+    runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
+
+    async def leave_out():
+        if len(cell.robot.moves) == 6:  # the first place of the second round
+            act = OperatorCommand(CommandName.SKIP, "Eva", key="k", step_id="stop-3", reason="no time")
+            await runner.act(act)
+
+    cell.robot.before_move = leave_out
+
+    assert await PatientOperator().attend_from_the_start(runner) is SessionState.FINISHED
+    assert cell.robot.moves[4:] == [*_ROUND, *_ROUND, _FROM, _HERE]
+    assert [point.config for point in cell.journal.points] == [1, 2, 4]
 
 
 async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_written():
