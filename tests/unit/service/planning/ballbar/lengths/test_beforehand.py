@@ -79,9 +79,13 @@ def test_where_the_base_stands_plays_no_part(plan):
 def test_the_kinds_of_arms_are_all_arms(plan):
     kinds = SessionForecast(ballbar_cell(), plan, BallbarKit()).kinds()
 
-    assert sum(kind.share for kind in kinds) == pytest.approx(1.0)
-    # In widths of their priors: lengths and angles as nominal, the springs of joints 2 to 6 as soft as usual.
-    assert kinds[0].mean[:25].tolist() == [0.0] * 20 + [1.0] * 5
+    assert [kind.share for kind in kinds] == pytest.approx([0.36, 0.36, 0.18, 0.04, 0.04, 0.02])
+    for kind, link, nest_mm in zip(kinds, (0.2,) * 3 + (0.6,) * 3, (0.0, 0.02, 0.04) * 2, strict=True):
+        # In widths of their priors, lengths and angles and then the springs of joints 2 to 6; nests in mm.
+        spread = np.sqrt(np.diag(kind.covariance))
+        assert kind.mean[:25].tolist() == [0.0] * 20 + [1.0] * 5
+        assert spread[:25] == pytest.approx(np.array([link] * 20 + [1.0] * 5))
+        assert spread[25:34] == pytest.approx(np.full(9, np.hypot(0.002, nest_mm)))
 
 
 def test_cups_are_known_from_each_other_as_well_as_the_ballbar_measures_their_sides(plan):
