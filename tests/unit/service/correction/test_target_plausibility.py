@@ -9,6 +9,7 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import LOADED_SEVEN_AXES, extended, model_of
 from tests.helpers.identification.synthetic import configurations
 from truepose.correction import likely_mistake, of_poses
+from truepose.correction.target_plausibility import _explains
 from truepose.domain.robot import FramePlacement
 from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
@@ -119,3 +120,19 @@ def test_an_arm_of_which_neither_zone_nor_branches_are_known_is_believed():
     shifted = of_poses(poses_of(chain.end_rotation, chain.end_origin + 700.0), 7)
 
     assert key(replace(extended(LOADED_SEVEN_AXES), zone=None), shifted) is None
+
+
+@pytest.mark.parametrize(
+    ("then", "now", "explained"),
+    [
+        (0.5, 0.0, True),
+        (0.49, 0.0, False),
+        (0.6, 0.15, True),
+        (0.6, 0.16, False),
+        (0.95, 0.75, True),
+        (0.94, 0.75, False),
+        (1.0, 0.76, False),
+    ],
+)
+def test_another_reading_explains_where_hardly_any_or_nearly_all_are_in_place(then, now, explained):
+    assert _explains(then, now) is explained

@@ -9,6 +9,7 @@ from tests.helpers.diagnosis.point_scenes import START, telling_campaign, tellin
 from tests.helpers.diagnosis.seats import GROUPS, SHIFT_MM, TURN_RAD, WIDTHS, posterior
 from truepose.domain.robot import Nest
 from truepose.effects.causes import FittedCause
+from truepose.effects.frames.tool_certificate import certificate_specs, moves
 from truepose.effects.ports import PortKind
 from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
@@ -206,3 +207,12 @@ def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
 
     assert (shown.amplitude, shown.standard_uncertainty) == (scale, pytest.approx(1e-6))
     assert f"too {word}, by 20.0 um per metre" in english(shown.sentence)
+
+
+def test_certified_nests_err_as_their_certificates_say_and_exact_ones_not_at_all():
+    specs = certificate_specs({2: 0.004, 1: 0.002, 3: 0.0})
+
+    names = [spec.name for spec in specs]
+    assert names == [f"certified_{nest}_{axis}" for nest in (1, 2) for axis in "xyz"]
+    assert [spec.prior_width for spec in specs] == [0.002] * 3 + [0.004] * 3
+    assert [moves(nest, names) for nest in (1, 2, 3)] == [True, True, False]

@@ -1,12 +1,14 @@
 """Where targets, nests and sensors are, found from the readings of a nominal arm without a guess."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from truepose.domain.campaign import NO_AXIS
 from truepose.domain.contacts import Target, TargetKind
+from truepose.identification.model.structure import certified_zeros
 from truepose.identification.observations.contact_targets import KINDS
 from truepose.identification.problem.contacts import (
     Contacts,
@@ -83,3 +85,9 @@ def test_a_search_looks_at_readings_of_every_target():
 
     assert len(rows) < 300
     assert (target[rows] == 1).sum() == 5
+
+
+def test_the_zero_of_a_target_is_certified_where_its_certificate_states_it():
+    stated, free = (Target(number, TargetKind.SPHERE, zero_mm) for number, zero_mm in ((1, 15.7), (12, None)))
+
+    assert certified_zeros(SimpleNamespace(targets=(stated, free))) == {"target_1_zero"}
