@@ -101,6 +101,21 @@ def test_a_row_without_a_time_is_left_where_it_is(name):
     assert term.weight[6] > 0.0
 
 
+@pytest.mark.parametrize(
+    ("name", "come_s"),
+    [
+        ("drift_linear_x", lambda after: np.clip(after, 0.0, 600.0)),
+        ("drift_exp600_x", lambda after: 600.0 * (1.0 - np.exp(-np.maximum(after, 0.0) / 600.0))),
+    ],
+)
+def test_of_a_made_model_an_even_drift_stands_where_nobody_followed_it(name, come_s):
+    known = rows(with_times(telling_campaign(), 60.0 * np.arange(24.0)))
+
+    (term,) = CAUSES["base_drift"].terms((name,), known._replace(origin_s=300.0, last_s=900.0))
+
+    assert term.weight == pytest.approx(come_s(60.0 * np.arange(24.0) - 300.0) / 3600.0)
+
+
 def test_a_jump_leaves_rows_without_a_time_where_they_were_before():
     times = np.arange(24.0)
     times[20] = np.nan
