@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.problem.initial_frames import PriorPlacement, place
+from truepose.identification.problem.legs import _Search
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import rotation_xyz
 
@@ -112,3 +113,20 @@ def test_wherever_the_base_is_turned_to_it_is_found():
         # 3 mm at the few hundred millimetres that 24 readings spread over; a wrong valley is off by 1 or more
         assert np.linalg.norm(placement.rotation - turn) < 0.03
         assert placement.typical_mm < 6.0
+
+
+def test_legs_of_known_nests_start_at_their_cups_and_where_a_cup_was_told():
+    joints, nests = configurations(24), np.array(NESTS)
+    cups = np.array([[600.0, -200.0, 100.0], [700.0, 250.0, 50.0]])
+    chain, nest, anchor = nominal_chain(IRB_120, joints), 1 + np.arange(24) % 3, np.arange(24) // 12
+    length = np.linalg.norm(chain.points(nests[nest - 1]) - cups[anchor], axis=1)
+    told = np.array([[np.nan] * 3, [701.0, 251.0, 51.0]])
+
+    search = _Search(
+        chain.rotation[-1], chain.origin[-1], nest, anchor, length, nests, np.zeros(3, bool), told, False
+    )
+    start = search.start(np.zeros(3)).reshape(2, 3)
+
+    assert start == pytest.approx(np.array([cups[0], told[1]]))
+    assert search.residual(cups.ravel()) == pytest.approx(np.zeros(24), abs=1e-9)
+    assert search.residual(start.ravel())[:12] == pytest.approx(np.zeros(12), abs=1e-6)
