@@ -15,7 +15,10 @@ from truepose.messages.catalogue import english
 from truepose.messages.message import message
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError, PersonMissingError, ReasonMissingError
+from truepose.sessions.tracker.revisions import can_be_skipped, revision
 from truepose.sessions.tracker.runner import TrackerRunner
+from truepose.sessions.tracker.state import TrackerRecord
+from truepose.sessions.tracker.steps import Step, StepKind
 
 PERSON = "Eva"
 
@@ -247,3 +250,50 @@ async def test_after_a_stop_a_person_confirms_anew():
         assert await session.to_the_end() is SessionState.FINISHED
 
     assert measured(cell) == [1, 2, 3, 4]
+
+
+WARM, LOOK = Step(StepKind.WARM, ()), Step(StepKind.LOOK, ())
+FIRST = Step(StepKind.MEASURE, (), make_plan(2).stops[0])
+
+
+@pytest.mark.parametrize(("present", "possible"), [(WARM, True), (FIRST, True), (LOOK, False), (None, False)])
+def test_a_session_can_do_without_warming_and_without_a_configuration(present, possible):
+    assert can_be_skipped(present) is possible
+
+
+def skipped(present, step_id=None, reason="enough", **known):
+    act = OperatorCommand(CommandName.SKIP, PERSON, step_id=step_id, reason=reason)
+    return revision(act, make_plan(2), TrackerRecord(**known), present)
+
+
+@pytest.mark.parametrize(
+    ("present", "step_id", "left_out", "key"),
+    [
+        (WARM, None, WARM.id, "warm_ends"),
+        (WARM, WARM.id, WARM.id, "warm_ends"),
+        (FIRST, None, FIRST.id, "left_out"),
+        (WARM, FIRST.id, FIRST.id, "left_out"),
+        (None, FIRST.id, FIRST.id, "left_out"),
+    ],
+)
+def test_what_is_skipped_is_the_step_that_is_named_else_the_present_one(present, step_id, left_out, key):
+    found = skipped(present, step_id)
+
+    assert (found.kind, found.step_id, found.text) == (EntryKind.SKIPPED, left_out, "enough")
+    assert found.sentence.key == f"session.revised.{key}"
+
+
+@pytest.mark.parametrize(
+    ("present", "step_id", "known"),
+    [
+        (None, None, {}),
+        (LOOK, None, {}),
+        (FIRST, WARM.id, {}),
+        (FIRST, None, {"left_out": {FIRST.stop.config}}),
+    ],
+)
+def test_nothing_else_can_be_skipped_and_nothing_without_a_reason(present, step_id, known):
+    with pytest.raises(NotNowError):
+        skipped(present, step_id, **known)
+    with pytest.raises(ReasonMissingError):
+        skipped(WARM, reason=" ")
