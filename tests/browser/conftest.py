@@ -11,11 +11,12 @@ from playwright.sync_api import expect
 
 from tests.browser.shared_playwright import SharedPlaywright
 from tests.browser.windows import Windows, without_complaint
+from tests.helpers.domain.builders import make_identification
 from tests.helpers.machine import CHROMIUM
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
 from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
-from truepose.analysis.job_queue.tasks import DrawTask
+from truepose.analysis.job_queue.tasks import DrawTask, IdentifyTask
 from truepose.app import create_app
 from truepose.settings import Settings
 
@@ -26,12 +27,14 @@ expect.set_options(timeout=1000.0 * _PATIENCE_S)  # of 5 s by itself, which a pa
 
 
 class Diagnostician:
-    """Answers every request with what it was told to give; promises of plans it works out, and draws."""
+    """Answers with what it was told to give and identifies nothing; promises it works out, and draws."""
 
     def __init__(self):
         self.answer = None
 
     async def __call__(self, task, told):
+        if isinstance(task, IdentifyTask):
+            return make_identification(model=None)
         return task.perform(lambda *_: None) if isinstance(task, PromiseTask | DrawTask) else self.answer
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from playwright.sync_api import expect
 
 from tests.browser.windows import without_complaint
+from tests.helpers.diagnosis.diagnosed_cells import two_findings
 from tests.integration.web.bench import session_request, stops
 from truepose.domain.session import PlannedStop, SessionPlan
 
@@ -143,3 +144,17 @@ def test_a_calibration_is_planned_beside_its_promise_and_identified_by_one_tap(s
     assert identified.value.post_data_json == {"campaign_id": 5}
     whole = {"method": "choose", "configurations": 30}
     assert (asked.value.post_data_json["role"], asked.value.post_data_json["plan"]) == ("calibration", whole)
+
+
+def test_identify_and_diagnose_makes_both_and_the_trail_has_both(service, tablet):
+    session = service.paused_session("left arm")
+    service.plan_with(two_findings())
+
+    tablet.goto(service.url + session.removeprefix("/api/v1"))
+    tablet.get_by_role("button", name="Identify and diagnose").click()
+
+    expect(tablet).to_have_url(f"{service.url}/diagnoses/1")
+    expect(tablet.get_by_role("link", name="Identification 1")).to_be_visible()
+    expect(tablet.get_by_text("No identification")).to_have_count(0)
+    assert service.get("/api/v1/identifications/1")["campaign_id"] == 1
+    assert service.get("/api/v1/diagnoses/1")["campaign_id"] == 1

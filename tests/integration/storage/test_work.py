@@ -122,7 +122,8 @@ async def test_robots_are_named_once(work):
             1,
             {"campaign 1", "identification 1", "diagnosis 1", "model 1", "model 2", "validation 1"},
         ),
-        (WorkKind.MODEL, 2, {"session 1", "session 2", "campaign 1", "diagnosis 1"}),
+        (WorkKind.MODEL, 2, {"session 1", "session 2", "campaign 1", "identification 1", "diagnosis 1"}),
+        (WorkKind.DIAGNOSIS, 1, {"session 1", "session 2", "campaign 1", "identification 1", "model 2"}),
         (WorkKind.VALIDATION, 1, {"session 1", "session 2", "campaign 1", "identification 1", "model 1"}),
     ],
 )

@@ -187,6 +187,20 @@ def _origin_of(table: Any) -> Any:
     return lambda number: select(table.c.campaign_id.label("campaign")).where(table.c.id == number)
 
 
+def _origin_of_diagnosis(number: int) -> Select[Any]:
+    """Return the query of a diagnosis' campaign, and of the identification made of that before."""
+    before = (
+        select(func.max(identifications.c.id))
+        .where(
+            identifications.c.campaign_id == diagnoses.c.campaign_id,
+            identifications.c.recorded_at <= diagnoses.c.recorded_at,
+        )
+        .scalar_subquery()
+    )
+    found = diagnoses.c.campaign_id.label("campaign"), before.label("identification")
+    return select(*found).where(diagnoses.c.id == number)
+
+
 def _origin_of_model(number: int) -> Select[Any]:
     made_by = models.c.identification_id.label("identification"), models.c.diagnosis_id.label("diagnosis")
     return select(*made_by).where(models.c.id == number)
@@ -242,7 +256,7 @@ _PARENTS = {
     WorkKind.SESSION: _proved_by,
     WorkKind.CAMPAIGN: _sessions_of,
     WorkKind.IDENTIFICATION: _origin_of(identifications),
-    WorkKind.DIAGNOSIS: _origin_of(diagnoses),
+    WorkKind.DIAGNOSIS: _origin_of_diagnosis,
     WorkKind.MODEL: _origin_of_model,
     WorkKind.VALIDATION: _model_of(validations),
     WorkKind.CORRECTION: _model_of(corrections),
