@@ -300,3 +300,15 @@ def test_only_poses_out_of_reach_are_brought_to_an_arm_five_degrees_from_straigh
     assert within_reach(np.array([-1.2, 1.0, 3.0])) == pytest.approx(
         np.cos(np.radians(5)) * np.array([-1, 1, 1])
     )
+
+
+def test_a_wrist_on_the_first_axis_is_reached_with_whatever_angle_of_that_joint():
+    robot = load_robot("abb-irb-120")
+    pose = np.eye(4)[None].copy()
+    pose[0, :3, 3] = [0.0, 0.0, 700.0 + robot.joints[5].d_mm]
+
+    found = all_branches(robot, pose)[0]
+
+    reached = found[np.isfinite(found).all(axis=1)]
+    assert len(reached)
+    assert poses(robot, reached) == pytest.approx(np.tile(pose, (len(reached), 1, 1)), abs=POSE)

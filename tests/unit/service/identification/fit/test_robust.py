@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,12 +12,15 @@ from scipy.special import gammaincinv
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.closed_loops import contact_campaign
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.contacts import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.identification.fit.robust import robust_fit, settled_fit
+from truepose.identification.distributions import chi2_median
+from truepose.identification.fit.robust import _softly, robust_fit, settled_fit
 from truepose.identification.fit.solver import absorbed, posterior_covariance
 from truepose.identification.model.evaluation import evaluate
+from truepose.identification.observations.poses import position_block
 from truepose.identification.problem.build import JointPrior, build, with_belief
 from truepose.kinematics.frames import rotation_from_vector
 
@@ -228,3 +232,19 @@ def test_a_reading_that_the_others_foretell_stays_out():
     fit = robust_fit(problem.structure, problem.blocks, problem.start)
 
     assert np.flatnonzero(fit.gross[0]).tolist() == [7]
+
+
+@pytest.mark.parametrize(("stated_mm", "excess_mm"), [(0.03, 0.04), (0.05, 0.0), (0.08, 0.0)])
+def test_what_readings_scatter_beyond_what_they_state_is_searched_with(stated_mm, excess_mm):
+    n = 9
+    points = PointReadings(
+        Stops(np.arange(n), np.zeros((n, 6))), np.ones(n, int), np.zeros((n, 3)), np.full(n, stated_mm)
+    )
+    length = 0.05 * np.sqrt(chi2_median(3))
+    residual = np.tile([0.0, 0.0, length], (n, 1))
+    residual[0] *= 1000.0  # one gross reading does not count among nine
+
+    soft = _softly(position_block(points, 0.0), SimpleNamespace(residual=residual))
+
+    assert soft.discrepancy == pytest.approx(excess_mm, abs=1e-9)
+    assert soft.weights[0] < 1e-4 < 0.1 < soft.weights[1:].min()

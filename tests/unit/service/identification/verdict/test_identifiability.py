@@ -1,12 +1,16 @@
 """What the data leave open, on cases made by hand."""
 
-import numpy as np
+from types import SimpleNamespace
 
+import numpy as np
+import pytest
+
+from tests.helpers.domain.robots import IRB_120
 from truepose.domain.robot import JointRow, Robot
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.fit.solver import posterior_covariance
 from truepose.identification.model.structure import Structure
-from truepose.identification.verdict.identifiability import not_identifiable
+from truepose.identification.verdict.identifiability import _reason, not_identifiable
 from truepose.messages.catalogue import english
 
 ROBOT = Robot("skew", tuple(JointRow(0.0 if k == 0 else 1.5, 100.0, 0.0, 50.0) for k in range(4)))
@@ -70,3 +74,15 @@ def test_a_joint_that_stood_still_is_the_reason_given():
     (entry,) = named(jacobian, ["theta_3", "theta_4"], moved=np.array([True, True, False, True]))
 
     assert english(entry.reason).startswith("joint 3 never moved")
+
+
+@pytest.mark.parametrize(
+    ("members", "joints"), [(("theta_2", "a_3"), (2,)), (("d_5",), (4,)), (("theta_2", "d_5"), (2, 4))]
+)
+def test_joints_that_stood_still_are_named_where_their_own_or_the_next_link_is_open(members, joints):
+    moved = np.array([True, False, True, False, True, True])
+
+    found = _reason(members, SimpleNamespace(robot=IRB_120), moved)
+
+    assert found.key == "open.standing_joints"
+    assert dict(found.values) == {"n": len(joints), "joints": joints}

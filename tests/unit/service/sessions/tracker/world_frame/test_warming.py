@@ -41,6 +41,8 @@ def test_a_steady_drift_is_told_for_the_time_between_two_looks():
     drifting = found(10, lambda t: rate * t)
 
     assert drifting.ahead_mm == pytest.approx(0.02, abs=1e-9)  # no noise: rounding only
+    assert drifting.time_s == pytest.approx(ROUND_S * np.arange(10))
+    assert drifting.drift_mm == pytest.approx(rate * ROUND_S * np.arange(10))
     assert not drifting.ready  # a tenth of 0.1 mm is allowed
     assert found(10, lambda t: 0.4 * rate * t).ready
 
