@@ -123,7 +123,7 @@ def _with_set_aside(answer: Identification, reached: ReachableCampaign) -> Ident
         message=together(answer.message, reached.sentence),
         outliers=outliers,
         model=with_set_aside(answer.model, reached),
-        counts=replace(answer.counts, outliers=len(outliers)),
+        counts=replace(answer.counts, outliers=answer.counts.outliers + len(reached.outliers)),
     )
 
 
@@ -184,7 +184,7 @@ def _answer(
         status=status,
         message=sentence,
         effects=tuple(name for name in problem.structure.effects if name not in effects_with(Trait.NUISANCE)),
-        counts=_counts(problem, identified, len(gross)),
+        counts=_counts(problem, identified),
         parameters=model.parameters,
         not_identifiable=named,
         outliers=gross,
@@ -204,7 +204,7 @@ def _answer(
     )
 
 
-def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Counts:
+def _counts(problem: Problem, identified: RobustFit) -> Counts:
     each = zip(identified.blocks, identified.results, strict=True)
     # A belief is no observation of this robot.
     sizes = [result.residual.size for block, result in each if block.quantity != BELIEF]
@@ -212,7 +212,7 @@ def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Cou
         configurations=len(distinct_values(sites(problem.blocks[0].targets.stops))),
         observations=int(sum(sizes)),
         parameters=len(problem.structure.specs),
-        outliers=outliers_found,
+        outliers=identified.without_weight,
     )
 
 

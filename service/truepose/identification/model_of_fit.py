@@ -154,7 +154,7 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
         "robot": fits.campaign.robot.name,
         "configurations": len(distinct_values(sites(stops))),
         "readings": len(stops),
-        "readings_without_weight": int(fits.identified.gross[0].sum()),
+        "readings_without_weight": fits.identified.without_weight,
         "chi2_per_dof": fits.identified.chi2_per_dof,
         **span_of_readings((stops, *judging), fits.identified.structure.origin_s),
     }

@@ -83,6 +83,14 @@ class RobustFit:
     chi2_per_dof: float
 
     @property
+    def without_weight(self) -> int:
+        """How many readings of the first table have none, be it their position or their orientation."""
+        blocks = zip(self.blocks, self.gross, strict=True)
+        here = (flags for block, flags in blocks if block.table == self.blocks[0].table)
+        # Each once: the sentence of a status counted positions, the list below it orientations as well.
+        return len({row for flags in here for row in np.flatnonzero(flags).tolist()})
+
+    @property
     def values(self) -> FloatArray:
         """Parameter values, shape (P,)."""
         return self.solution.values

@@ -155,7 +155,7 @@ def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tupl
         return Status.WRONG_NOMINAL_MODEL, wrong
     if not identified.solution.converged:
         return Status.NOT_CONVERGED, message("status.not_settled", steps=identified.solution.iterations)
-    return Status.CONVERGED, _converged_message(problem, identified, gross)
+    return Status.CONVERGED, _converged_message(problem, identified)
 
 
 def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> Message | None:
@@ -245,10 +245,10 @@ def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None
     return None
 
 
-def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> Message:
+def _converged_message(problem: Problem, identified: RobustFit) -> Message:
     parts: list[Message] = []
-    if gross:
-        parts.append(message("status.outliers", n=gross))
+    if identified.without_weight:
+        parts.append(message("status.outliers", n=identified.without_weight))
     fixed = _bad_looks(identified)
     if fixed:
         parts.append(message("status.nest_outliers", n=fixed))

@@ -16,6 +16,7 @@ from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.contacts import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
+from truepose.identification import identify
 from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import _softly, robust_fit, settled_fit
 from truepose.identification.fit.solver import absorbed, posterior_covariance
@@ -23,6 +24,7 @@ from truepose.identification.model.evaluation import evaluate
 from truepose.identification.observations.poses import position_block
 from truepose.identification.problem.build import JointPrior, build, with_belief
 from truepose.kinematics.frames import rotation_from_vector
+from truepose.messages.catalogue import english
 
 EFFECTS = ("base", "geometry")
 HELD = ("alpha_2", "a_2", "theta_3")
@@ -194,6 +196,21 @@ def test_orientations_of_which_some_state_no_uncertainty_are_all_used():
 
     assert fit.solution.converged
     assert fit.blocks[1].component_variance() == pytest.approx(1e-6, rel=0.2)
+
+
+def test_a_reading_off_in_place_and_turn_is_one_reading_wherever_it_is_counted():
+    oriented = with_orientations(campaign_of(share=0.0), np.random.default_rng(2), 1e-3)
+    points = oriented.calibration
+    place, quaternion = points.position_mm.copy(), points.quaternion.copy()
+    place[7] += 5.0
+    quaternion[[7, 21]] = quaternion[[21, 7]]
+    spoilt = replace(oriented, calibration=replace(points, position_mm=place, quaternion=quaternion))
+
+    answer = identify(spoilt, ("base", "tool", "geometry"))
+
+    assert len(answer.outliers) == 3
+    assert answer.counts.outliers == answer.model.identified_from["readings_without_weight"] == 2
+    assert "2 readings without weight" in english(answer.message)
 
 
 def test_a_model_without_parameters_is_judged_as_it_stands():
