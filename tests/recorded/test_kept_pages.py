@@ -86,6 +86,14 @@ def test_no_page_prints_what_no_person_reads(asked, page):
     assert [line for line in page.splitlines() if _UNREADABLE.search(line)] == []
 
 
+def test_no_command_prints_what_no_person_reads():
+    commands = re.split(r"^\$ truepose ", (KEPT / "commands.txt").read_text("utf-8"), flags=re.MULTILINE)
+    told = [one for one in commands[1:] if "--json" not in one.partition("\n")[0]]
+
+    assert told
+    assert [line for one in told for line in one.splitlines() if _UNREADABLE.search(line)] == []
+
+
 @pytest.mark.parametrize(
     "line", ["NaN", "off by NaN before", "None", "0.6056475987081618", "[object Object]"]
 )
