@@ -189,6 +189,7 @@ SuspicionKind: TypeAlias = Literal[
     "exchanged",
     "unlikely",
     "calibrator",  # the ballbar seems to be on the calibrator, where a pair was asked for
+    "like_calibrator",  # a side of the calibrator's length: nobody can tell which of them was read
     # A bar that was put back on the calibrator would else store its length as that of a leg
     # (docs/decisions/0018).
     "same_connection",  # it was not let go since a length was taken that is not what is asked for

@@ -144,6 +144,8 @@ class BallbarSetup:
 
     nominal_mm: float = 300.0  # with the bars for base triangle and legs
     tool_nominal_mm: float = 150.0  # with the bars for the tool triangle
+    # No side of a fixture is made to the calibrator's length, or nobody could tell them apart.
+    calibrator_excess_mm: float = 0.04  # by which the calibrator is longer than nominal
     range_mm: float = 1.0  # either way of the nominal length
     resolution_mm: float = 0.0001
     noise_mm: float = 0.00051  # of one reading

@@ -219,6 +219,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
         ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
+        ("like_calibrator", "cannot tell them apart", "right_pair", "It is on B2\u2013T3"),
         ("same_connection", "since B1\u2013T2 was read", "reconnected", "I have reconnected it"),
         ("not_calibrator", "not where it was last time", "right_pair", "It is on B2\u2013T3"),
         ("same_bars", "the zero of the other bars", "reconnected", "I have reconnected it"),
@@ -245,6 +246,14 @@ def test_the_large_coloured_answer_to_a_doubt_is_the_one_that_stores_nothing(des
     coloured.click()
 
     assert acted(tablet, desk)[0]["answer"] == "reconnected"
+
+
+def test_an_answer_that_has_led_nowhere_is_not_the_large_one(desk, tablet):
+    desk.show(suspicion={**SUSPICION, "kind": "calibrator"}, main_answer="right_pair")
+
+    tablet.locator("#actions .main:not(.plain)").click()
+
+    assert acted(tablet, desk)[0]["answer"] == "right_pair"
 
 
 def test_a_doubt_about_the_calibrator_is_about_no_pair(desk, tablet):

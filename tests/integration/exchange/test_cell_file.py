@@ -1,11 +1,12 @@
 """A cell file says what it says, or is refused at the key that is wrong."""
 
 import math
+from itertools import combinations
 from pathlib import Path
 
 import pytest
 
-from truepose.domain.cell import Artefact, BallbarKit, Bars, CertifiedLength, PlantedEffect, SimulatedCell
+from truepose.domain.cell import Artefact, Bars, CertifiedLength, PlantedEffect, SimulatedCell
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.exchange.errors import (
     BadValueError,
@@ -388,12 +389,22 @@ def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
 BALLBAR = 'robot = "abb-irb-120"\n[simulated]\nscenario = "irb120-tilted"\n[ballbar]\n'
 
 
+@pytest.mark.parametrize("scenario", ["irb120-tilted", "lrmate-tilted", None])
+def test_no_side_of_a_shipped_cell_is_as_long_as_the_calibrator(tmp_path, scenario):
+    found = read(tmp_path, REAL) if scenario is None else simulated_cell(scenario, 0)
+    centres = [nest.centre_mm for nest in found.nests]
+    sides = [math.dist(one, other) for one, other in combinations(centres, 2)]
+    apart = min(abs(side - found.ballbar.tool_bars.calibrator_mm) for side in sides)
+
+    assert apart > 4.0 * found.ballbar.zero_u_mm
+
+
 def test_the_ballbar_of_the_example_is_read_whole(tmp_path):
     kit = read(tmp_path, REAL).ballbar
 
     assert kit.base_points == 4
     assert kit.base_bars == Bars(300.0, 300.0012, 0.0004, (150.0, 50.0))
-    assert kit.tool_bars == BallbarKit().tool_bars
+    assert kit.tool_bars == Bars(150.0, 150.0318, 0.0004, (50.0,))
     assert kit.instrument == Artefact("ballbar", "L20042", "certificate 5512", "2027-03-31")
     assert kit.calibrator.serial_number == "C118"
     assert (kit.range_mm, kit.setup_u_mm) == (1.0, 0.01)

@@ -1,6 +1,5 @@
 """What a person may do at the tablet, and when it may be pressed."""
 
-from enum import StrEnum
 from typing import Final
 
 from truepose.domain.ballbar import BallbarStep, StepKind
@@ -8,15 +7,6 @@ from truepose.domain.session import SessionState
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import CommandName
-
-
-class Answer(StrEnum):
-    """What a person says to a suspicion."""
-
-    RIGHT_PAIR = "right_pair"  # the reading is stored, with the doubt kept beside it
-    RECONNECTED = "reconnected"  # it is read again
-    EXCHANGED = "exchanged"  # both legs are read again
-
 
 _ALWAYS: Final = frozenset({CommandName.HAND_OVER, CommandName.ABORT})
 _RUNNING: Final = frozenset({CommandName.PAUSE, CommandName.STOP, *_ALWAYS})

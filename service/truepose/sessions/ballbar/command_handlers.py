@@ -14,10 +14,9 @@ from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
 from truepose.messages.message import Message, message
-from truepose.sessions.ballbar.allowed_commands import Answer
 from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, STILL_ON
 from truepose.sessions.ballbar.length_check import leg_taken_for, legs_to_read_again
-from truepose.sessions.ballbar.state import NEEDS_BALLBAR_OFF
+from truepose.sessions.ballbar.state import NEEDS_BALLBAR_OFF, Answer
 from truepose.sessions.ballbar.transitions import Transitions
 from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.halts import Halts
@@ -46,6 +45,7 @@ _SUSPICIONS: Final[dict[SuspicionKind, Message]] = {
     "exchanged": message("session.suspicion.exchanged"),
     "unlikely": message("session.suspicion.unlikely"),
     "calibrator": message("session.suspicion.calibrator"),
+    "like_calibrator": message("session.suspicion.like_calibrator"),
     "same_connection": message("session.suspicion.same_connection"),
     "not_calibrator": message("session.suspicion.not_calibrator"),
     "same_bars": message("session.suspicion.same_bars"),

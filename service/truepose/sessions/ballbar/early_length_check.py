@@ -22,8 +22,8 @@ from truepose.domain.ballbar import (
 from truepose.domain.cell import BallbarKit
 from truepose.planning.ballbar.length_forecast import SessionForecast
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.allowed_commands import Answer
 from truepose.sessions.ballbar.situation import Situation
+from truepose.sessions.ballbar.state import Answer
 from truepose.validation.early_connection_check import Accounts, alike, begin, indistinct, judge_early
 
 _KEPT: Final = 8  # accounts: of the present stop; each takes some megabytes

@@ -21,9 +21,9 @@ from truepose.domain.ballbar import (
 from truepose.domain.cell import BallbarKit
 from truepose.domain.errors import ConfigurationError
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.allowed_commands import Answer
 from truepose.sessions.ballbar.readings import bars_of
 from truepose.sessions.ballbar.situation import Situation
+from truepose.sessions.ballbar.state import Answer
 from truepose.validation.connection_check import judge_leg, judge_pose
 
 NO_PAIR: Final[Leg] = (0, 0)  # of the calibrator
@@ -41,13 +41,20 @@ def calibrator_doubt(
     """
     if step.kind is StepKind.INITIALISE:
         return _doubt_about_zero(taken, now, step, kit, held_for)
-    zero = now.zero
+    if held_for and step_ids.kind_of(held_for) is StepKind.INITIALISE:
+        return _suspicion("calibrator", step, taken.length_mm)
     # A bar that was never let go from its calibrator shows the calibrator's length: *Store now* once kept
     # 300.000 mm as a leg (decision 0018).
-    same_length = zero is not None and _agree(taken.deviation_mm, zero.zero_mm, kit)
-    if same_length or (held_for and step_ids.kind_of(held_for) is StepKind.INITIALISE):
-        return _suspicion("calibrator", step, taken.length_mm)
-    return None
+    if now.zero is None or not _agree(taken.deviation_mm, now.zero.zero_mm, kit):
+        return None
+    kind: SuspicionKind = "like_calibrator" if _is_made_like_calibrator(step, kit) else "calibrator"
+    return _suspicion(kind, step, taken.length_mm)
+
+
+def _is_made_like_calibrator(step: BallbarStep, kit: BallbarKit) -> bool:
+    # Only the tool's sides are as they were made; those of the base, and legs, are as the robot errs.
+    is_made = step.artefact == "tool" and step.expected_mm is not None
+    return is_made and _agree(step.expected_mm or 0.0, bars_of(step, kit).calibrator_mm, kit)
 
 
 def contact_doubt(taken: LengthTaken, step: BallbarStep, held_for: str | None) -> Suspicion | None:
@@ -153,9 +160,20 @@ def doubt(
     `held_for` is the step whose length the present connection gave before; None where it was let go since.
     """
     first = calibrator_doubt(taken, now, step, kit, held_for)
+    if first is not None and held_for is None and _was_answered(first, taken, now, kit):
+        first = None
     # Cause before symptom: a bar on its calibrator, or at the wrong pair, is still connected as well, and the
     # more particular question tells a person what to do.
     return first or _doubt(taken, now, step, kit, judges) or contact_doubt(taken, step, held_for)
+
+
+def _was_answered(suspicion: Suspicion, taken: LengthTaken, now: Situation, kit: BallbarKit) -> bool:
+    """Return whether a person has put the ballbar on anew because of this very length."""
+    return any(
+        before.suspicion.kind == suspicion.kind
+        and _agree(before.length.deviation_mm, taken.deviation_mm, kit)
+        for before in now.answered
+    )
 
 
 def _doubt(

@@ -50,6 +50,7 @@ class Situation:
     attached: bool  # the ballbar, as far as known
     exchanged: bool  # another ballbar may answer than the one that may be attached
     suspicion: OpenSuspicion | None
+    answered: tuple[OpenSuspicion, ...]  # doubts about the present step for which it was put on anew
     acting: ActingTablet | None
     initialisations: int  # so far
     zero: LengthTaken | None  # the initialisation that the present reading counts from
@@ -154,6 +155,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> S
         attached=record.attached,
         exchanged=record.exchanged,
         suspicion=record.suspicion,
+        answered=() if step is None else record.answered.get(step.id, ()),
         acting=record.acting,
         initialisations=record.initialisations,
         zero=_zero(plan, step, record),

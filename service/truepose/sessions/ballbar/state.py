@@ -12,6 +12,7 @@ confirmed that it is off.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Final, Literal, TypeAlias
 
 from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, StepKind, Suspicion
@@ -25,6 +26,7 @@ OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skip
 
 NEEDS_BALLBAR_OFF: Final = frozenset({StepKind.DETACH, StepKind.MOVE})
 READINGS: Final = frozenset({StepKind.INITIALISE, StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG})
+_IN_VAIN: Final = 2  # answers of one kind after which another reading would only ask again
 _ENDS: Final[dict[EntryKind, OutcomeKind]] = {
     EntryKind.CONFIRMED: "confirmed",
     EntryKind.MEASURED: "measured",
@@ -32,6 +34,14 @@ _ENDS: Final[dict[EntryKind, OutcomeKind]] = {
     EntryKind.SKIPPED: "skipped",
     EntryKind.COMPUTED: "computed",
 }
+
+
+class Answer(StrEnum):
+    """What a person says to a suspicion."""
+
+    RIGHT_PAIR = "right_pair"  # the reading is stored, with the doubt kept beside it
+    RECONNECTED = "reconnected"  # it is read again
+    EXCHANGED = "exchanged"  # both legs are read again
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +61,13 @@ class OpenSuspicion:
     step_id: str
     suspicion: Suspicion
     length: LengthTaken
+    answered: int = 0  # times that a person has put the ballbar on anew for a doubt of this kind
+
+    @property
+    def main_answer(self) -> Answer:
+        """The answer that is offered first: to read again, unless that tells nothing or has led nowhere."""
+        leads_nowhere = self.suspicion.kind == "like_calibrator" or self.answered >= _IN_VAIN
+        return Answer.RIGHT_PAIR if leads_nowhere else Answer.RECONNECTED
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +91,8 @@ class BallbarRecord(Record):
     shown: str | None = None  # the step whose prompt was shown since anything else happened
     confirmed: str | None = None  # the motion that a person has just allowed
     suspicion: OpenSuspicion | None = None
+    # By step: doubts for which the ballbar was put on anew, oldest first.
+    answered: dict[str, tuple[OpenSuspicion, ...]] = field(default_factory=dict)
     initialisations: int = 0
     zeros: dict[str, LengthTaken] = field(
         default_factory=dict
@@ -97,8 +116,7 @@ class BallbarRecord(Record):
             case EntryKind.SUSPECTED:
                 self._suspect(entry)
             case EntryKind.ANSWERED:
-                self.suspicion = None
-                self.shown = None
+                self._answer()
             case EntryKind.REOPENED:
                 self._reopen(entry.step_id)
             case _:
@@ -169,7 +187,16 @@ class BallbarRecord(Record):
 
     def _suspect(self, entry: LedgerEntry) -> None:
         if entry.suspicion is not None and entry.length is not None:
-            self.suspicion = OpenSuspicion(entry.step_id, entry.suspicion, entry.length)
+            before = self.answered.get(entry.step_id, ())
+            answered = sum(doubt.suspicion.kind == entry.suspicion.kind for doubt in before)
+            self.suspicion = OpenSuspicion(entry.step_id, entry.suspicion, entry.length, answered)
+
+    def _answer(self) -> None:
+        if self.suspicion is not None:
+            step_id = self.suspicion.step_id
+            self.answered[step_id] = (*self.answered.get(step_id, ()), self.suspicion)
+        self.suspicion = None
+        self.shown = None
 
     def _reopen(self, step_id: str) -> None:
         group, kind = step_ids.group_of(step_id), step_ids.kind_of(step_id)

@@ -167,7 +167,7 @@ class Ballbar:
     def _length_mm(self, seat: Seat, time_s: float) -> float:
         """Return the length before zero and noise; the calibrator is as long as its certificate says."""
         if isinstance(seat, OnCalibrator):
-            return self.nominal_mm
+            return self.nominal_mm + self.setup.calibrator_excess_mm
         if isinstance(seat, InHand):
             sway = _SWAY_RANGES * (1.0 + math.sin(2.0 * math.pi * time_s / _SWAY_S))
             return self.nominal_mm + sway * self.setup.range_mm

@@ -129,6 +129,7 @@ class FakeDesk:
             "ledger_number": 1,
             "step": leg(),
             "suspicion": None,
+            "main_answer": None,
             "ballbar_in_question": None,
             "swaps_can_be_seen": True,
             "ballbar_attached": True,

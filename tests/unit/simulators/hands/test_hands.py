@@ -18,6 +18,7 @@ from truepose_simulators.instruments.accuracy import BallbarSetup
 from truepose_simulators.instruments.truth_endpoint import plant_document
 from truepose_simulators.physics.effects import PlantedChange
 
+CALIBRATOR_MM = 300.0 + BallbarSetup().calibrator_excess_mm
 CORNERS = [(1, 2), (1, 3), (2, 3)]
 
 
@@ -72,7 +73,7 @@ async def test_lengths_count_from_the_calibrator_as_far_as_the_snaps_let_them(po
     zero = mean_mm(cell)
 
     cell.hands.do("connect", LEG)
-    length = 300.0 + mean_mm(cell) - zero
+    length = CALIBRATOR_MM + mean_mm(cell) - zero
 
     # Two snaps of 0.0006 and the means of readings; bounded by 0.003 whatever happens.
     assert length == pytest.approx(true_mm(cell, **LEG), abs=0.003 + 0.0002)
@@ -86,7 +87,7 @@ async def test_the_zero_never_walks_farther_than_its_bound(posed):
     errors = []
     for _ in range(300):
         cell.hands.do("connect", LEG)
-        errors.append(300.0 + shown(cell).deviation_mm - zero - true_mm(cell, **LEG))
+        errors.append(CALIBRATOR_MM + shown(cell).deviation_mm - zero - true_mm(cell, **LEG))
 
     # 600 snaps of 0.0006 without bound would come to 0.015.
     assert np.max(np.abs(errors)) == pytest.approx(0.003, abs=1e-6)
@@ -100,7 +101,7 @@ async def test_a_new_initialisation_begins_a_new_walk(posed):
         cell.hands.do("calibrator", {"bars": "base"})
         zero = shown(cell).deviation_mm
         cell.hands.do("connect", LEG)
-        errors.append(300.0 + shown(cell).deviation_mm - zero - true_mm(cell, **LEG))
+        errors.append(CALIBRATOR_MM + shown(cell).deviation_mm - zero - true_mm(cell, **LEG))
 
     # Two snaps each; standard deviation of 200 draws: 5 %, four of these.
     assert np.std(errors) == pytest.approx(0.0006 * math.sqrt(2.0), rel=0.2)
@@ -317,7 +318,7 @@ async def test_effects_of_the_ballbar_spoil_legs_and_not_the_calibrator(posed):
         scaled = 1e-4 * true_mm(bad, **LEG)
         off.append(shown(bad).deviation_mm - shown(good).deviation_mm - scaled)
 
-    assert on_calibrator == 0.0
+    assert on_calibrator == pytest.approx(CALIBRATOR_MM - 300.0, abs=1e-9)
     assert all(1e-5 < abs(error) < 0.05 for error in off)
     assert off[0] != pytest.approx(off[1], abs=1e-5)
 

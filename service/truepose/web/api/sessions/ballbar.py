@@ -151,6 +151,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         result_url=f"/sessions/{view.id}/result" if view.plan.test else f"/sessions/{view.id}",
         step=_present_step(view),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),
+        main_answer=None if found.suspicion is None else found.suspicion.main_answer,
         swaps_can_be_seen=view.sight.sees_swaps(found),
         legs_alike=[[_leg(first), _leg(second)] for first, second in view.sight.alike(found)],
         unseen_swaps_poses=list(unseen := view.sight.unseen(found)),

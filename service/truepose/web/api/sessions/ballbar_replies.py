@@ -7,7 +7,7 @@ from pydantic import Field
 from truepose.domain.ballbar import BarSet, StepKind, SuspicionKind
 from truepose.domain.ledger import EntryKind
 from truepose.exchange.results.document import Quantity
-from truepose.sessions.ballbar.state import OutcomeKind
+from truepose.sessions.ballbar.state import Answer, OutcomeKind
 from truepose.web.api.sessions.situations import IdentityReply, SituationReply
 from truepose.web.middleware.language import Said
 from truepose.web.schemas import Point, RecordedAt, RecordId, Reply
@@ -136,6 +136,7 @@ class BallbarSessionReply(SituationReply):
     )
     step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
     suspicion: SuspicionReply | None
+    main_answer: Answer | None = Field(description="To the suspicion, as the tablet offers it first.")
     swaps_can_be_seen: bool = Field(
         description="Lengths of this pose are foreseen well enough that exchanged legs show."
     )

@@ -5,7 +5,7 @@ from typing import Annotated, cast
 from pydantic import AfterValidator, Field
 
 from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.sessions.ballbar.allowed_commands import Answer
+from truepose.sessions.ballbar.state import Answer
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.storage.records import RequestKey
 from truepose.web.api.authority import require_authority

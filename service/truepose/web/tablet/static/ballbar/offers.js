@@ -5,6 +5,9 @@ import { pairInWords } from "./words.js";
 
 const DONE = { act: "confirm", key: "act.done" };
 const STORE = { act: "store", key: "act.store" };
+const RECONNECTED = { act: "answer", answer: "reconnected", key: "doubt.reconnected", exchanged: "doubt.read_again" };
+const RIGHT = { act: "answer", answer: "right_pair", key: "doubt.right" };
+const plain = (offer) => ({ ...offer, plain: true });
 const OFFERED = {
   planned: [{ act: "start", key: "act.start" }],
   initialise: [STORE],
@@ -28,9 +31,10 @@ const OFFERED = {
   paused: [{ act: "resume", key: "act.resume" }],
   doubt: [
     // The safe answer is the large coloured one: a tap by habit must not store a length against the evidence.
-    { act: "answer", answer: "reconnected", key: "doubt.reconnected", exchanged: "doubt.read_again" },
-    { act: "answer", answer: "right_pair", key: "doubt.right", plain: true },
+    RECONNECTED,
+    plain(RIGHT),
   ],
+  doubt_in_vain: [RIGHT, plain(RECONNECTED)],
   finished: [],
   aborted: [],
   failed: [],
@@ -58,7 +62,7 @@ function nothing(offer, model) {
 }
 
 export const OFFERS = {
-  of: (screen) => OFFERED[screen],
+  of: (screen, session) => OFFERED[screen === "doubt" && session?.main_answer === "right_pair" ? "doubt_in_vain" : screen],
   values: (session) => ({ answered: answeredBy(session) }),
   named: answeredBy,
   label,

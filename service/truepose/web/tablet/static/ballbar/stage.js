@@ -31,6 +31,7 @@ function doubtInWords({ step, suspicion }, texts) {
     other_pair: "doubt.other_pair",
     exchanged: "doubt.exchanged",
     calibrator: "doubt.calibrator",
+    like_calibrator: "doubt.like_calibrator",
     same_connection: pair ? "doubt.same_connection" : "doubt.same_connection_unknown",
     not_calibrator: "doubt.not_calibrator",
     same_bars: "doubt.same_bars",

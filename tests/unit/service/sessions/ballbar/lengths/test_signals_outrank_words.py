@@ -339,8 +339,15 @@ async def test_a_calibrator_that_is_stored_by_hand_as_a_leg_is_asked_about():
         assert bench.now.suspicion.suspicion.kind == "calibrator"
 
 
-@pytest.mark.parametrize("step_id", ["tool/side-1-2", "placement-1/side-1-2", LEG])
-async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_let_go(step_id):
+@pytest.mark.parametrize(
+    ("step_id", "kind"),
+    [
+        ("tool/side-1-2", "like_calibrator"),
+        ("placement-1/side-1-2", "calibrator"),
+        (LEG, "calibrator"),
+    ],
+)
+async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_let_go(step_id, kind):
     async with Bench(PLAN) as bench:
         await bench_at(bench, step_id)
         bench.suspect.blind = True
@@ -350,10 +357,10 @@ async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_
         await bench.clock.advance(2.0)
 
         assert bench.kept(step_id) == []
-        assert bench.now.suspicion.suspicion.kind == "calibrator"
+        assert bench.now.suspicion.suspicion.kind == kind
         await bench.press(CommandName.ANSWER, answer="right_pair")
         (entry,) = bench.kept(step_id)
-        assert entry.suspicion.kind == "calibrator"
+        assert entry.suspicion.kind == kind
 
 
 @pytest.mark.parametrize(("first", "second"), [("tool/side-1-2", "tool/side-2-3"), (LEG, NEXT)])

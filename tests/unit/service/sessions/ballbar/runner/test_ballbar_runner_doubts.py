@@ -8,6 +8,7 @@ from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import EntryKind
 from truepose.sessions.ballbar.length_check import Judges
+from truepose.sessions.ballbar.state import Answer
 from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import (
     NotNowError,
@@ -33,6 +34,48 @@ async def test_a_wrong_connection_is_asked_about_and_never_stored_silently():
         bench.hands.do_as_asked(LEG)
         await bench.clock.advance(1.0)
         assert len(bench.kept(LEG)) == 1
+
+
+@pytest.mark.parametrize(
+    ("side", "kind", "main"),
+    [
+        ("tool/side-1-2", "like_calibrator", Answer.RIGHT_PAIR),  # made to the calibrator's length
+        ("placement-1/side-1-2", "calibrator", Answer.RECONNECTED),
+    ],
+)
+async def test_a_length_of_the_calibrator_is_asked_about_once_for_each_step(side, kind, main):
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(side)
+        bench.suspect.blind = True
+        for doubts in (1, 0):
+            bench.hands.detach()
+            await bench.clock.advance(0.5)
+            bench.hands.connect("calibrator")  # a side that is as long
+            await bench.clock.advance(2.0)
+            assert len(bench.kept(side)) == 1 - doubts
+            if doubts:
+                asked = bench.now.suspicion
+                assert (asked.suspicion.kind, asked.main_answer) == (kind, main)
+                await bench.press(CommandName.ANSWER, answer="reconnected")
+
+        assert len(bench.kept(side, EntryKind.SUSPECTED)) == 1
+
+
+async def test_an_answer_that_led_nowhere_twice_is_not_the_main_one():
+    side, offered = "placement-1/side-1-2", []
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(side)
+        await bench.clear_hands(side)
+        bench.hands.connect("calibrator")
+        await bench.clock.advance(2.0)
+        for _ in range(3):
+            offered.append(bench.now.suspicion.main_answer)
+            await bench.press(CommandName.ANSWER, answer="reconnected")
+            await bench.press(CommandName.STORE)
+
+    assert offered == [Answer.RECONNECTED, Answer.RECONNECTED, Answer.RIGHT_PAIR]
 
 
 async def test_the_same_pair_twice_is_recognised_from_the_lengths_alone():
