@@ -34,6 +34,7 @@ HOLDS_WORK: Final = message("left.holds_work")
 DISPLACED: Final = message("left.displaced")
 RELATIVE: Final = message("left.relative")
 ARC: Final = message("left.arc")
+_MOST_MEANT: Final = 1_000_000  # targets of names that mean several, each as often as it is meant
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,7 @@ class Draft:
         self._uses: list[Use] = []
         self._left: list[tuple[UncorrectedTarget, tuple[int, ...]]] = []
         self._follows = False
+        self._meant = 0
 
     def line(self, words: Tokens) -> int:
         """Return the line that words of the text begin on."""
@@ -117,6 +119,7 @@ class Draft:
         near_rad: tuple[float, ...] | None = None,
     ) -> None:
         """Say that the program moves to a target; to one of several where a name has several values."""
+        self._count(line, targets)
         use = Use(line, tuple(targets), path, tool, work_object, near_rad, self._follows)
         self._uses.append(use)
         self._follows = True
@@ -127,6 +130,7 @@ class Draft:
         self, line: int, what: str, reason: Message, serving: Sequence[int] = (), *, moves: bool = True
     ) -> None:
         """Leave something alone, for which the targets `serving` are used; `moves` the robot or not."""
+        self._count(line, serving)
         self._left.append((UncorrectedTarget(line, what, reason), tuple(serving)))
         for target in serving:
             self._fates[target].serves = True
@@ -135,14 +139,23 @@ class Draft:
 
     def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
         """Say that targets are handed to something that is not in the file, or not followed."""
+        self._count(line, targets)
         reason = message("left.not_seen")
         self._left.append((UncorrectedTarget(line, what, reason), tuple(targets)))
         self.interrupt()
 
     def change(self, line: int, targets: Sequence[int]) -> None:
         """Say that the program gives targets other values than those that stand in the file."""
+        self._count(line, targets)
         for target in targets:
             self._fates[target].changed_line = line
+
+    def _count(self, line: int, targets: Sequence[int]) -> None:
+        """Refuse a program of a few lines of which each may mean thousands of targets."""
+        self._meant += max(len(targets) - 1, 0)
+        if self._meant > _MOST_MEANT:
+            sentence = "computed indices choose among more targets than are followed; split the program"
+            self.source.fail(sentence, self.source.line_span(line)[0])
 
     def interrupt(self) -> None:
         """Say that it is not known where the robot stands when the next motion begins."""

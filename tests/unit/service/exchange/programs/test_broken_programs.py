@@ -14,6 +14,7 @@ from truepose.exchange.errors import (
     MissingEntryError,
     UnreadableFileError,
 )
+from truepose.exchange.programs import parsed_program
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
 from truepose.exchange.programs.number_replacement import rewritten
 
@@ -249,6 +250,15 @@ def test_what_stands_in_itself_or_never_ends_takes_no_time_out_of_proportion(nam
 
     assert len(read_program(text.encode(), name).targets) == targets
     assert time.process_time() - began < 1e-5 * len(text)
+
+
+def test_indices_that_choose_among_thousands_again_and_again_are_refused(monkeypatch):
+    monkeypatch.setattr(parsed_program, "_MOST_MEANT", 1000)
+    places = "".join(f"PTS[{k}]={{X 1,Y 2,Z 3,A 0,B 0,C 0}}\n" for k in range(1, 31))
+    moves = "LIN PTS[I]\n" * 30
+
+    with pytest.raises(UnreadableFileError, match=r"m.src, line 49, .* more targets than are followed"):
+        read_program(f"DEF M( )\n{places}{moves}END\n".encode(), "m.src")
 
 
 def test_a_binary_file_is_refused():
