@@ -8,6 +8,7 @@ import time
 import tracemalloc
 import zipfile
 from importlib.resources import files
+from pathlib import Path
 
 import pytest
 
@@ -29,6 +30,8 @@ from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 from truepose.exchange.campaigns.point_list import read_point_list
 from truepose.exchange.campaigns.points_with_joints import Stated, import_points
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
+from truepose.exchange.cells.file import read_cell
+from truepose.exchange.cells.volumes import read_keep_out_file
 from truepose.exchange.errors import InputFileError, MissingFileError
 from truepose.exchange.import_wizard import robots
 from truepose.exchange.import_wizard.dialogue import Choices
@@ -144,6 +147,14 @@ READERS = {
     "robot": (
         {"a.toml": (files("truepose.exchange") / "robots" / "abb-irb-120.toml").read_bytes()},
         functools.partial(on_disk, lambda where: read_robot_file(where / "a.toml")),
+    ),
+    "cell": (
+        {"a.toml": Path("docs/examples/real-cell.toml").read_bytes()},
+        functools.partial(on_disk, lambda where: read_cell(where / "a.toml")),
+    ),
+    "keep-out": (
+        {"a.toml": Path("docs/examples/keep-out.toml").read_bytes()},
+        functools.partial(on_disk, lambda where: read_keep_out_file(where / "a.toml")),
     ),
     "result": (
         {"a.b5r": RESULT.encode()},
