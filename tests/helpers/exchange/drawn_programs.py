@@ -59,7 +59,9 @@ def tried(language, n, seed, size=1.0, *, hard=True):
 def _try(count, language, model, own, number):
     data = language.write(model.robot, own)
     program = read_program(data, language.name, angles="zyx")
-    answer = corrected_program(model, program, ProgramOptions(branch=number, defined=_FRAMES))
+    frames = {frame.name for one in program.targets for frame in (one.tool, one.work_object) if frame}
+    defined = {name: pose for name, pose in _FRAMES.items() if name in frames}
+    answer = corrected_program(model, program, ProgramOptions(branch=number, defined=defined))
     judged = np.array([name.startswith(language.judged) for name in answer.names], dtype=bool)
     solved = np.flatnonzero(answer.found.solved & judged)
     rows = _places(program, [answer.corrected[row] for row in solved], len(own))
