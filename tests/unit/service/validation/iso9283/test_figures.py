@@ -267,9 +267,11 @@ def test_drift_without_order_is_refused(hours):
 
 
 def test_a_pose_is_visited_once_a_cycle():
-    one = np.ones(2, dtype=np.int64)
-    with pytest.raises(ConfigurationError, match="P1 is there twice in cycle 1"):
-        Visits(one, one, np.zeros((2, 3)), np.zeros(2))
+    pose, cycle = np.array([1, 1, 2, 3, 2]), np.array([1, 2, 2, 1, 2])
+
+    assert len(Visits(pose[:4], cycle[:4], np.zeros((4, 3)), np.zeros(4))) == 4
+    with pytest.raises(ConfigurationError, match="P2 is there twice in cycle 2"):
+        Visits(pose, cycle, np.zeros((5, 3)), np.zeros(5))
 
 
 def test_the_worst_pose_stands_for_all():
