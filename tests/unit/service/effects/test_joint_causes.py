@@ -297,6 +297,15 @@ def test_softness_is_told_relative_to_the_springs_of_the_model():
     assert shown.standard_uncertainty == pytest.approx((1 / 0.09 + 1 / 0.01) ** -0.5)
     assert shown.unit == "1"
     assert "58 % softer below about 2 N*m" in english(shown.sentence)
+    assert [(detail.name, detail.value) for detail in shown.details] == [
+        ("torque where it ends", 2.0),
+        ("share of joint 2", pytest.approx(0.4)),
+        ("share of joint 3", pytest.approx(0.6)),
+    ]
+    alone = CAUSES["compliance_nonlinear"].describe(
+        "joint 2", FittedCause(names[:1], np.array(numbers[:1]), covariance[:1, :1]), scene
+    )
+    assert [detail.name for detail in alone.details] == ["torque where it ends"]
 
 
 def test_lengths_grow_with_the_temperature_above_20_degrees_and_not_where_it_is_unknown():
