@@ -76,13 +76,22 @@ def reach_sentence(reach_mm: FloatArray, error_mm: FloatArray) -> Message:
     n = len(reach_mm)
     if n < _FEWEST or np.ptp(reach_mm) <= 0.0:
         return message("seen.reach.few")
-    ranks = np.array([np.argsort(np.argsort(values)) for values in (reach_mm, error_mm)])
+    if np.ptp(error_mm) <= 0.0:
+        return message("seen.reach.nothing")
+    ranks = np.array([_ranks(values) for values in (reach_mm, error_mm)])
     correlation = float(np.corrcoef(ranks)[0, 1])
     if abs(correlation) * np.sqrt(n - 1) < _CLEAR:
         return message("seen.reach.nothing")
     near, far = (error_mm[part].mean() for part in np.array_split(np.argsort(reach_mm), 3)[::2])
     key = "seen.reach.grows" if correlation > 0.0 else "seen.reach.falls"
     return message(key, near=millimetres(float(near)), far=millimetres(float(far)))
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    ordered = np.sort(values)
+    # Equal values share a rank: in the order they come, they would correlate with where they were read.
+    first, end = np.searchsorted(ordered, values, "left"), np.searchsorted(ordered, values, "right")
+    return np.asarray(0.5 * (first + end), dtype=float)
 
 
 def neighbours_sentence(position_mm: FloatArray, error_mm: FloatArray, model_share: float = 0.0) -> Message:

@@ -80,9 +80,13 @@ def sphere_front(test: SphereTest, robot: str, model: str, limit: Limit, words: 
     found = [(ball, ball.of(model, taught=True) or ball.of(model, taught=False)) for ball in test.spheres]
     named = [(_ball(ball, words), one.whole.max_mm) for ball, one in found if one is not None]
     missing = dict.fromkeys(why for ball, one in found if one is None for why in ball.withheld)
-    skipped = message("sphere.skipped", stops=test.skipped) if test.skipped else ""
+    skipped = _skipped(test.skipped) if test.skipped else ""
     title = words.say("front.sphere.title", robot=robot, model=model_name(model, words))
     return LimitedTest(title, robot, _NAMES, named, together(skipped, *missing)).front(limit, words)
+
+
+def _skipped(stops: int) -> Message:
+    return message("sphere.skipped_one" if stops == 1 else "sphere.skipped", stops=stops)
 
 
 def _ball(ball: Sphere, words: Catalogue) -> str:
@@ -137,7 +141,7 @@ def sphere_test_sentences(test: SphereTest, words: Catalogue) -> Iterator[Messag
 def order_sentences(test: SphereTest, words: Catalogue) -> Iterator[Message]:
     """Yield the models in the order of their accuracy, which are not told apart, and what was left out."""
     if test.skipped:
-        yield message("sphere.skipped_one" if test.skipped == 1 else "sphere.skipped", stops=test.skipped)
+        yield _skipped(test.skipped)
     if len(test.order) < 2:
         return
     yield message("sphere.order", models=tuple(_ranked(name, rms, words) for name, rms in test.order))

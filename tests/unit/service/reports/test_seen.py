@@ -93,6 +93,13 @@ def test_errors_that_grow_with_reach_are_told_with_both_ends():
     assert english(reach_sentence(-reach + 1000.0, errors)).startswith("Errors fall with reach")
 
 
+def test_equal_errors_say_nothing_of_reach_in_whatever_order_they_come():
+    reach, errors = np.sort(np.random.default_rng(5).uniform(200.0, 800.0, N)), np.full(N, 0.1)
+    errors[N // 2] = 0.2
+
+    assert "Nothing to see" in english(reach_sentence(reach, errors))
+
+
 def test_noise_over_reach_is_nothing():
     alarms = [
         seed for seed in range(RUNS)
