@@ -51,8 +51,10 @@ class Checklist:
     base_cups: int = 3
 
 
-def checklist_of(plan: PromisedPlan | SessionPlan | BallbarPlan | ContactPlan) -> Checklist:
-    """Return what a plan asks for."""
+def checklist_of(
+    plan: PromisedPlan | SessionPlan | BallbarPlan | ContactPlan, *, camera: bool = False
+) -> Checklist:
+    """Return what a plan asks for; `camera`: a promised plan's nests are seen by one, not by a tracker."""
     match plan:
         case SessionPlan():
             before = _CAMERA if plan.measures == "poses" else _TRACKER
@@ -63,7 +65,7 @@ def checklist_of(plan: PromisedPlan | SessionPlan | BallbarPlan | ContactPlan) -
             stops = tuple(CheckStop(one.config, one.joints_rad, _targets(one.targets)) for one in plan.stops)
             return Checklist((*_CONTACTS, *_ALWAYS), stops)
         case _:
-            return _of_promise(plan)
+            return _of_promise(plan, _CAMERA if camera else _TRACKER)
 
 
 def _of_session(plan: SessionPlan) -> Iterator[CheckStop]:
@@ -81,7 +83,7 @@ def _of_ballbar(plan: BallbarPlan) -> Checklist:
     return Checklist((*_BALLBAR, *_ALWAYS), stops, places, len(plan.placements[0].cups_mm))
 
 
-def _of_promise(plan: PromisedPlan) -> Checklist:
+def _of_promise(plan: PromisedPlan, before: tuple[str, ...]) -> Checklist:
     joints = [tuple(map(float, row)) for row in plan.joints_rad]
     numbers = range(plan.measured + 1, plan.total + 1)
     if plan.poses is not None:
@@ -99,7 +101,7 @@ def _of_promise(plan: PromisedPlan) -> Checklist:
     nests = [1] * len(joints) if plan.nest is None else [int(nest) for nest in plan.nest]
     of_nests = zip(numbers, joints, nests, strict=True)
     stops = tuple(CheckStop(n, q, message("check.nest", nest=nest)) for n, q, nest in of_nests)
-    return Checklist((*_TRACKER, *_ALWAYS), stops)
+    return Checklist((*before, *_ALWAYS), stops)
 
 
 def _legs(legs: Iterable[Leg]) -> Message:

@@ -118,7 +118,7 @@ async def _promised(visit: Visit, n: int | None) -> "ChecklistReport":
     return ChecklistReport(
         here.cell.robot.name,
         words.say("page.plan"),
-        checklist_of(promised.plan),
+        checklist_of(promised.plan, camera=here.cell.camera is not None),
         await asyncio.to_thread(minutes_for, promised),
         conditions=ReportConditions(simulated=here.simulated),
         language=words.tag,

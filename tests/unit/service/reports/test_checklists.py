@@ -4,16 +4,20 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan
 from tests.helpers.domain.tracker_sessions import make_plan
 from tests.helpers.web.pages import Page
+from truepose.planning.prediction.errors import Discrepancy
+from truepose.planning.prediction.plan import Assumptions, PromisedPlan
 from truepose.reports.checklist import ChecklistReport, checklist_of
 from truepose.reports.paper import PAPER
 from truepose.reports.traceability import ReportConditions
 
 TRACKER, BALLBAR = make_plan(3), make_ballbar_plan()
+GRANTED = Assumptions(0.001, 0.01, Discrepancy(0.0))
 
 
 def page_of(plan, **changes):
@@ -44,6 +48,13 @@ def test_a_camera_has_no_reflectors_to_look_after():
     assert "The camera is on and warm" in camera
     assert "reflector" not in camera
     assert "reflector" in page_of(TRACKER)
+
+
+@pytest.mark.parametrize(("camera", "first"), [(False, "check.tracker.warm"), (True, "check.camera.warm")])
+def test_a_promised_plan_is_prepared_for_what_the_cell_measures_with(camera, first):
+    promised = PromisedPlan(np.zeros((2, 6)), None, None, (), 2, 0, (), {}, GRANTED)
+
+    assert checklist_of(promised, camera=camera).prepare[0] == first
 
 
 def test_a_ballbar_plan_has_a_box_for_each_leg_and_a_picture_of_each_order():
