@@ -86,6 +86,7 @@ _SHOWN: Final = {
         "K": Conversion("°F", _FAHRENHEIT_PER_K),
     },
 }
+_PRINTED: Final = {"um": "\N{MICRO SIGN}m"}  # documents keep ASCII
 _DEGREES_PER_K: Final = {  # by angle and temperature
     ("rad", "c"): Conversion("rad/K", _RAD),
     ("deg", "f"): Conversion("deg/°F", 1.0 / _FAHRENHEIT_PER_K),
@@ -124,7 +125,8 @@ class Units:
         """Return how a kept unit is shown; that of ratios, seconds or torques is shown as it is kept."""
         if unit == "deg/K":
             return _DEGREES_PER_K.get((self.angle, self.temperature), Conversion(unit))
-        return next((_SHOWN[token][unit] for token in self.tokens if unit in _SHOWN[token]), Conversion(unit))
+        kept = Conversion(_PRINTED.get(unit, unit))
+        return next((_SHOWN[token][unit] for token in self.tokens if unit in _SHOWN[token]), kept)
 
     def printed(self, number: ConvertibleNumber) -> str:
         """Return a printed number as the reader has it; one of no unit as it is."""

@@ -192,7 +192,7 @@ def _row(
         change=MISSING if nominal is None else format_rounded((identified - nominal) * factor, u, unit),
         identified=format_rounded(identified * factor, u, unit),
         standard_uncertainty=uncertainty(u, unit),
-        unit=words.units.conversion(unit).symbol,
+        unit=printed_unit(words.units.conversion(unit).symbol),
         prior_width=words.units.conversion(unit).formatted(parameter.prior_width * factor, ".2g"),
         meaning=meaning(parameter.name, parameter.effect, words),
         standing=_standing(parameter, together),

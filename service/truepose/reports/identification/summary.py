@@ -11,6 +11,7 @@ from truepose.domain.identification import Identification, Parameter, Statistics
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text as Said
+from truepose.reports.cause_words import printed_unit
 from truepose.reports.error_tables import title_of, turns_table
 from truepose.reports.identification.judged_figures import figures_table
 from truepose.reports.identification.parameters import is_held_by_prior
@@ -71,7 +72,7 @@ def _truth_row(parameter: TrueParameter, words: Catalogue) -> tuple[str, ...]:
         format_rounded(parameter.identified, u, unit),
         format_rounded(parameter.true, u, unit),
         uncertainty(u, unit),
-        words.units.conversion(unit).symbol,
+        printed_unit(words.units.conversion(unit).symbol),
         f"{ratio:+.1f}" if math.isfinite(ratio) else MISSING,
     )
 
@@ -108,4 +109,4 @@ def added_table(identification: Identification, words: Catalogue) -> Table:
 def _added_row(parameter: Parameter) -> tuple[str, ...]:
     factor, unit = file_factor(parameter.unit), file_unit(parameter.unit)
     u = parameter.standard_uncertainty * factor
-    return parameter.name, format_rounded(parameter.value * factor, u), uncertainty(u), unit
+    return parameter.name, format_rounded(parameter.value * factor, u), uncertainty(u), printed_unit(unit)

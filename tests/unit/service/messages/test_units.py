@@ -193,3 +193,7 @@ def test_a_unit_in_the_words_is_found(text):
 def test_each_number_of_a_list_states_the_unit_that_stands_behind_the_last(language):
     for key, text in every_text(language):
         assert not re.search(r"\{\w+:[^} ]*\df\}[,、 ]+\{\w+:\S+ [^}(]+\}", text), key
+
+
+def test_micrometres_are_printed_with_their_sign_though_documents_keep_ascii():
+    assert (KEPT.conversion("um").symbol, Units("inch").conversion("um").symbol) == ("\N{MICRO SIGN}m", "in")
