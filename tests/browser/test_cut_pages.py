@@ -31,4 +31,4 @@ def test_a_page_of_a_gateway_is_no_answer_to_files(service, chromium, tmp_path):
         page.set_input_files("[data-bring] input[multiple]", tmp_path / "arm.csv")
 
         said = page.locator("[data-bring] output")
-        expect(said).to_have_text("The service does not answer; look whether it runs, then try again.")
+        expect(said).to_have_text("The service does not respond. Check that it is running, then try again.")

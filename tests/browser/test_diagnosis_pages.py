@@ -56,7 +56,7 @@ def test_the_line_below_the_arm_has_lengths_and_no_nan(service, tablet):
         return view.part("pose").textContent;
     }""")
 
-    assert said == "Configuration 4: off by 0.422 mm before, by 0.047 mm with the identified model."
+    assert said == "Configuration 4: error 0.422 mm before, 0.047 mm after."
 
 
 def test_the_list_leads_to_the_report(service, tablet):

@@ -85,11 +85,11 @@ def test_a_link_lets_somebody_choose_how_they_come_in_and_works_once(chromium, h
         page.goto(link)
         for field, secret in (("password", PASSWORD), ("repeated", PASSWORD), ("pin", "1906")):
             page.locator(f"main [name={field}]").fill(secret)
-        page.get_by_role("button", name="Choose this").click()
+        page.get_by_role("button", name="Set password").click()
         expect(present(page)).to_have_text(ALAN)
 
         page.goto(link)
-        expect(page.locator("h1")).to_have_text("This link opens nothing any more")
+        expect(page.locator("h1")).to_have_text("This link is no longer valid")
 
 
 def test_a_password_leads_to_the_page_that_was_wanted_and_a_wrong_one_nowhere(chromium, house):
@@ -109,7 +109,7 @@ def test_somebody_else_comes_to_the_tablet_by_pin_and_by_badge(chromium, house):
         come_in(page, house)
         house.ask("POST", "/people", name="Edith Clarke", role="viewer")  # has no PIN: is not asked for
         present(page).click()
-        page.get_by_role("button", name="Somebody else").click()
+        page.get_by_role("button", name="Switch user").click()
         names = page.locator("dialog .names button")
         expect(names.first).to_be_visible()
         assert "Edith Clarke" not in names.all_inner_texts()
@@ -135,7 +135,7 @@ def test_what_stands_in_a_form_outlives_the_sign_in(chromium, house):
         page.locator("#enter button").click()
         page.locator("dialog [name=password]").fill(PASSWORD)
         page.locator("dialog [data-key=ok]").click()
-        expect(page.locator("#enter output")).to_have_text("You are signed in again. Now press once more.")
+        expect(page.locator("#enter output")).to_have_text("Signed in again. Press again to continue.")
         expect(name).to_have_value("Rosalind Franklin")
 
         page.locator("#enter button").click()
@@ -169,7 +169,7 @@ def test_what_is_pressed_before_the_scripts_are_there_is_pressed_then(chromium, 
         page.route("**/static/shell.js", lambda route: waiting.append(route))
         page.goto(house.url, wait_until="commit")
         present(page).click()
-        page.get_by_role("button", name="Somebody else").click()
+        page.get_by_role("button", name="Switch user").click()
         for route in waiting:
             route.continue_()
         expect(page.locator("dialog [name=badge]")).to_be_visible()

@@ -149,7 +149,7 @@ def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(standin
     assert get(f"{url}/health").json()["simulated"] is True
     for page in ("/", "/docs"):
         text = get(url + page).text
-        assert "The cell of this service is a simulated one." in text
+        assert "This service runs a simulated cell." in text
         elsewhere = re.findall(r"https?://(?!localhost[:/])[^\s\"<&]+", text.replace(url, ""))
         assert elsewhere == [], "a shop floor has no content network"
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def _spoken(language: str) -> str:
     if language not in LANGUAGES:
-        raise typer.BadParameter(f"{language!r} is not spoken: choose from {', '.join(LANGUAGES)}")
+        raise typer.BadParameter(f"unsupported language: {language}; choose from {', '.join(LANGUAGES)}")
     return language
 
 

@@ -85,9 +85,9 @@ def identification(serial, number, days_ago, figure_mm, known_days_ago=0):
 
 def changed(page):
     """Return serial number, what changed, and where each sentence leads, of the robots that changed."""
-    part = page.partition("<h2>What changed since ")[2].partition("<h2>")[0]
+    part = page.partition("<h2>Changes since ")[2].partition("<h2>")[0]
     rows = re.findall(
-        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="What changed">(.*?)</td>',
+        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Change">(.*?)</td>',
         part,
         re.S,
     )
@@ -99,9 +99,9 @@ def changed(page):
 
 def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
-    part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
+    part = page.partition("<h2>Measure next</h2>")[2].partition("<h2>")[0]
     rows = re.findall(
-        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">(.*?)</td>',
+        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Reason">(.*?)</td>',
         part,
         re.S,
     )
@@ -117,9 +117,9 @@ async def page(service, path, language="en"):
 async def test_a_plant_without_robots_says_so(service):
     shown = await page(service, "/")
 
-    assert "No cell has measured a robot yet." in shown
-    assert "No error, no named cause and no model of a robot changed" in shown
-    assert "Nothing came in from any cell since then." in shown
+    assert "No robots yet." in shown
+    assert "No error, cause, model or certificate has changed" in shown
+    assert "No cell has sent anything since then." in shown
     assert "left arm" in shown
     assert due(shown) == []
 
@@ -138,8 +138,8 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
 
     assert [serial for serial, _ in found] == ["never", "tomorrows", "later", "late", "just"]
     assert [reason.partition(",")[0] for _, reason in found] == [
-        "No measurement of it is on record.",
-        f"The last measurement is dated {TODAY + timedelta(days=400)}",
+        "No measurement is on record.",
+        "The date of the last measurement",
         f"Last measured on {TODAY - timedelta(days=90)}",
         f"Last measured on {TODAY - timedelta(days=45)}",
         f"Last measured on {TODAY - timedelta(days=31)}",
@@ -196,7 +196,7 @@ async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(serv
     leads = '<a href="/fleet?type=IRB%20120">Backlash, joint 5'
     assert [leads in text for text in (shown, *lives)] == [True, True, False]
     assert "not due" in lives[1]
-    assert "gets worse: a limit is passed before it is due" in shown
+    assert "forecast to exceed a limit before it is due" in shown
 
 
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):
@@ -205,7 +205,7 @@ async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_f
 
     shown = await page(service, "/")
 
-    assert due(shown) == [("120-9", "No measurement of it is on record.")]
+    assert due(shown) == [("120-9", "No measurement is on record.")]
     assert '<td data-label="Cell">left arm</td>' in shown
 
 
@@ -217,7 +217,7 @@ async def test_where_no_robot_is_due_none_is_listed(service):
     shown = await page(service, "/")
 
     assert due(shown) == []
-    assert "No robot is due: each was measured in its time" in shown
+    assert "No robot is due for measurement" in shown
 
 
 async def test_what_came_in_leads_to_the_page_of_its_cell(service):
@@ -292,7 +292,7 @@ async def test_lives_show_what_was_collected(service, cell):
     assert 'href="/instruments/T-7"' in of_robot
     assert 'href="/robots/120-1"' in of_instrument
     assert due(glance) == []
-    assert "No robot is due: each was measured in its time" in glance
+    assert "No robot is due for measurement" in glance
 
 
 async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrument(service, cell):
@@ -304,10 +304,10 @@ async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrumen
     glance, ended = await page(service, "/"), await page(service, "/instruments/T-7")
     told = (await service.get("/api/v1/plant/instruments/T-8")).json()["certificates"]
 
-    ending = glance.partition("<h2>Certificates that ended or soon will</h2>")[2].partition("<h2>")[0]
+    ending = glance.partition("<h2>Expired or expiring certificates</h2>")[2].partition("<h2>")[0]
     assert re.findall(r"<th>(report \d)</th>", ending) == ["report 1"]
     assert "report 1" in ended
-    changes = glance.partition("<h2>What changed since ")[2].partition("<h2>")[0]
+    changes = glance.partition("<h2>Changes since ")[2].partition("<h2>")[0]
     said = (
         f"Certificate report 1 of tracker T-7 ended on {yesterday}; robots that were last measured with it: "
     )
@@ -322,7 +322,7 @@ async def test_a_serial_number_that_nobody_saw_is_said(service, path):
     answer = await service.get(path)
 
     assert answer.status_code == 404
-    assert "No robot and no instrument none is on record" in answer.text
+    assert "No cell of this plant has a record of none" in answer.text
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -340,7 +340,7 @@ async def test_a_cell_that_is_away_has_a_sentence_and_loses_nothing(service):
 
     shown = await page(service, "/")
 
-    assert "It goes on measuring alone and loses nothing; the plant asks again." in shown
+    assert "It continues on its own and loses nothing; the plant tries again." in shown
     assert away.sentence in shown
 
 
@@ -351,7 +351,7 @@ async def test_a_clock_and_another_chain_are_stated(service):
     shown = await page(service, "/")
 
     assert "-86400.50 s (± 0.250 s)" in shown
-    assert "Nothing is collected before a metrologist accepts it." in shown
+    assert "Nothing is collected until a metrologist accepts it." in shown
 
 
 async def shown_another_chain(service, cell):
@@ -385,8 +385,8 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
     to_look, to_act = [
         (await service.get("/cells/left arm", headers=who)).text for who in (viewer, metrologist)
     ]
-    assert '<a href="/cells/left%20arm">Look and accept</a>' in at_a_glance
-    assert f"The first {fork} links, which both chains have, stay as they are." in to_look
+    assert '<a href="/cells/left%20arm">Review and accept</a>' in at_a_glance
+    assert f"The first {fork} entries, which both chains share, stay unchanged." in to_look
     assert "Links that only the plant has now: 2." in to_look
     assert f"of {fork + 5} in all, are collected as a branch of its own: 5." in to_look
     assert "Accept this chain" not in to_look
@@ -399,9 +399,9 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
 
     assert (refused.status_code, accepted.status_code) == (403, 201)
     assert "Accept this chain" not in afterwards
-    assert "Nothing is collected before" not in afterwards
-    row = re.search(r"<h2>Chains that were accepted</h2>.*?</tbody>", afterwards, re.S)[0]
-    assert re.findall(r'<td data-label="(?:From link|Who|Reason)">([^<]*)</td>', row) == [
+    assert "Nothing is collected until" not in afterwards
+    row = re.search(r"<h2>Accepted chains</h2>.*?</tbody>", afterwards, re.S)[0]
+    assert re.findall(r'<td data-label="(?:From entry|Who|Reason)">([^<]*)</td>', row) == [
         str(fork + 1),
         "Grace Hopper",
         said["reason"],
@@ -415,8 +415,8 @@ async def test_a_cell_without_another_chain_offers_none_and_one_that_is_unknown_
 
     shown, missing = await page(service, "/cells/left arm"), await service.get("/cells/right arm")
 
-    assert "all collected" in shown
+    assert "up to date" in shown
     assert "Accept this chain" not in shown
-    assert "Chains that were accepted" not in shown
+    assert "Accepted chains" not in shown
     assert missing.status_code == 404
     assert "There is no cell right arm in this plant." in missing.text

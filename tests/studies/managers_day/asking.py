@@ -11,7 +11,7 @@ from tests.studies.managers_day.programs import until
 from truepose.demo.client import PERSON, ServiceClient
 
 _NEW_SEED: Final = 7
-_NEXT: Final = "To be measured next"
+_NEXT: Final = "Measure next"
 _FIGURE: Final = re.compile(r"(\d\.\d{3}) mm")
 _NUMBER: Final = re.compile(r"\d+\.\d+")
 _PLAN: Final = {

@@ -62,7 +62,7 @@ async def lose_a_disk(day: Day) -> None:
         visit = await plant.says(cell, "another_chain")
         day.diary.saw(f"the plant: {visit['sentence']}")
         page = await day.screen.at(plant.url, "another-chain")
-        assert "another chain" in page.lower(), page
+        assert "different hash chain" in page.lower(), page
         day.look_through_journal()
     with day.diary.step("The metrologist accepts the other chain; collection goes on, and nothing is lost"):
         reason = "The disk failed; a scheduled backup was restored."

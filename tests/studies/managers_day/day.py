@@ -26,7 +26,7 @@ class Day:
         """Wait until the plant has all of every cell: each link once, in order, nothing less than before."""
         for cell in self.cells:
             self.heads[cell.name] = await self.plant.has_all_of(cell)
-            self.diary.saw(f"{cell.name}: all collected, chain head {self.heads[cell.name]}")
+            self.diary.saw(f"{cell.name}: up to date, chain head {self.heads[cell.name]}")
         self.look_through_journal()
 
     def look_through_journal(self) -> None:

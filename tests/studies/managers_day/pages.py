@@ -27,7 +27,7 @@ class Looking:
         await self._page.goto(link)
         for field, secret in (("password", PASSWORD), ("repeated", PASSWORD), ("pin", _PIN)):
             await self._page.locator(f"main [name={field}]").fill(secret)
-        await self._page.get_by_role("button", name="Choose this").click()
+        await self._page.get_by_role("button", name="Set password").click()
         await self._page.wait_for_url(lambda url: "/welcome/" not in url)
 
     async def at(self, url: str, name: str) -> str:

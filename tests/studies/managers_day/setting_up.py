@@ -27,7 +27,7 @@ async def set_up(day: Day) -> None:
         link = await plant.enter(MANAGER, "viewer")
         await day.screen.choose_password(link)
         seen = await day.screen.at(plant.url, "the-plant-is-empty")
-        assert "No cell has measured a robot yet" in seen, seen
+        assert "No robots yet" in seen, seen
         await day.collected()
 
 

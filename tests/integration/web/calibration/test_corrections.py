@@ -120,7 +120,7 @@ async def test_numbers_that_would_fit_in_inches_are_not_corrected_unless_they_ar
 
     assert (job["state"], job["result_id"], nothing) == ("failed", None, [])
     assert "100% would if x, y and z were in inches" in job["message"]
-    assert "say so (as_written; of the command, --as-written)" in job["message"]
+    assert "set as_written (command line: --as-written)" in job["message"]
     assert (await client.get(meant)).json()["asked"]["as_written"] is True
     assert "are meant as they stand" in (await client.get(meant.removeprefix("/api/v1"))).text
 
@@ -142,7 +142,7 @@ async def test_limits_that_nobody_knows_are_empty_and_said(app, client, send):
     assert row["beyond_limit_deg"] == ""
     assert record["document"]["statuses"] == {"limits_unknown": 1}
     page = (await client.get(f"/corrections/{record['id']}")).text
-    assert "The joint limits of this robot are not known" in page
+    assert "The joint limits of this robot are unknown" in page
 
 
 async def test_a_target_beyond_the_limits_of_a_known_robot_is_not_corrected(client, send):
@@ -357,4 +357,4 @@ async def test_without_a_model_there_is_no_form_and_no_correction_has_no_page(cl
     assert "There is no model yet" in page.text
     assert "<form" not in page.text
     assert none.status_code == 404
-    assert "There is nothing at this address" in none.text
+    assert "Page not found" in none.text

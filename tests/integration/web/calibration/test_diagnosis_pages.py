@@ -84,11 +84,11 @@ def spoken():
 @pytest.mark.parametrize(
     ("address", "accepted", "language", "told"),
     [
-        ("", "", "en", "The present model explains the data"),
+        ("", "", "en", "No further error source found"),
         ("", "fr-CH, en;q=0.8", "fr", "Le modèle actuel explique les données"),
-        ("", "en, fr;q=0.2", "en", "The present model explains the data"),
+        ("", "en, fr;q=0.2", "en", "No further error source found"),
         ("?language=fr", "en", "fr", "Le modèle actuel explique les données"),
-        ("?language=xx", "", "en", "The present model explains the data"),
+        ("?language=xx", "", "en", "No further error source found"),
     ],
 )
 async def test_a_stored_diagnosis_is_shown_in_the_language_asked_for(
@@ -144,7 +144,7 @@ async def test_documents_are_in_english_whoever_asks_and_jobs_in_the_language_of
     told = (await client.get(f"/api/v1/diagnoses/{number}", headers=french)).json()
     job = (await client.get(f"/api/v1/jobs/{told['job_id']}", headers=french)).json()
 
-    assert told["document"]["message"].startswith("The present model explains the data")
+    assert told["document"]["message"].startswith("No further error source found")
     assert job["message"] == catalogue("fr").spoken(spoken().message)
 
 
@@ -167,7 +167,7 @@ async def test_the_list_does_not_call_unexplained_what_was_not_answered(client, 
 async def test_without_any_the_list_says_how_to_ask_for_one(client):
     text = (await client.get("/diagnoses")).text
 
-    assert "None yet." in text
+    assert "No diagnoses yet." in text
     assert "/api/v1/diagnoses" in text
 
 
@@ -176,7 +176,7 @@ async def test_a_number_that_there_is_not_gets_a_page_that_says_so(client, numbe
     reply = await client.get(f"/diagnoses/{number}?whole=true")
 
     assert reply.status_code == 404
-    assert "There is nothing at this address" in reply.text
+    assert "Page not found" in reply.text
 
 
 async def test_a_simulated_campaign_says_so_on_a_service_that_is_not(client, diagnosed):
@@ -198,7 +198,7 @@ async def test_uploaded_readings_are_not_called_simulated_by_a_service_whose_cel
 
     assert "SIMULATED" not in text + listed
     assert "simulated" not in text.partition("<main")[0].partition("</header>")[2]
-    assert "The cell of this service is a simulated one." in listed
+    assert "This service runs a simulated cell." in listed
 
 
 async def test_text_of_others_stays_text(client, diagnosed):

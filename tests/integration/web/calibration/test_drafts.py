@@ -257,7 +257,7 @@ async def test_a_page_of_nothing_says_so(client, address):
     answer = await client.get(address)
 
     assert answer.status_code == 404
-    assert "Bring them again" in answer.text
+    assert "Import the readings again" in answer.text
 
 
 def test_requests_know_every_change_role_and_quantity():

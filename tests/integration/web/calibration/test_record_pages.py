@@ -52,8 +52,8 @@ _WAY = {"/sessions/1", "/campaigns/1", "/identifications/1", "/models/1", "/vali
     [
         ("/identifications/1", "As its report", _WAY),
         ("/validations/1", "As its report", _WAY),
-        ("/models/1", "31 parameters say how this robot differs", _WAY),
-        ("/campaigns/1", "points to identify with", _WAY | {"/diagnoses/1", "/models/2"}),
+        ("/models/1", "31 parameters describe how this robot differs", _WAY),
+        ("/campaigns/1", "calibration points", _WAY | {"/diagnoses/1", "/models/2"}),
         ("/sessions/1", "29 of 29 measured", _WAY | {"/diagnoses/1", "/models/2"}),
         ("/diagnoses/1", "As its report", {"/sessions/1", "/campaigns/1", "/models/2"}),
     ],
@@ -122,7 +122,7 @@ async def test_an_address_of_nothing_is_answered_by_a_page_that_leads_on(client,
     reply = await client.get(f"{path}/{number}")
 
     assert reply.status_code == 404
-    assert "There is nothing at this address" in Page(reply.text).text
+    assert "Page not found" in Page(reply.text).text
     assert "/work" in links(reply)
 
 
@@ -134,7 +134,7 @@ async def test_the_work_lists_everything_and_finds_by_the_words_of_the_page(clie
     assert _WAY | {"/sessions/2", "/diagnoses/1"} <= set(links(everything))
     assert "/sessions/1" in links(found)
     assert "/sessions/2" not in links(found)
-    assert "Nothing is called “no such thing”" in Page(nothing.text).text
+    assert "No match for “no such thing”" in Page(nothing.text).text
 
 
 async def test_the_work_knows_the_robots(client):
@@ -158,6 +158,6 @@ async def test_a_device_that_does_not_answer_is_told_with_what_to_do(client, ben
 
     text = Page((await client.get("/")).text).text
 
-    assert "tracker does not answer." in text
+    assert "tracker does not respond." in text
     assert "Nobody answers at 192.0.2.1:700" in text
-    assert "Look at its cable and its power" in text
+    assert "Check its cable and power" in text

@@ -69,14 +69,14 @@ class TestAPageThatTakesItsTime:
         whole = await client.get("/plan?n=30&whole=true")
         again = await client.get("/plan?n=30&whole=true")
 
-        assert "The accuracy after calibration" in early.text
+        assert "Expected accuracy after calibration" in early.text
         assert 'aria-busy="true"' in early.text
         assert "/static/drawn.js" in early.text
         assert "30 configurations promise a mean error of" in whole.text
         assert "<svg" in whole.text
         assert 'href="/plan?n=50"' in whole.text
         assert "*30" in whole.text
-        assert "The star marks what is planned" in whole.text
+        assert "The star marks the current plan" in whole.text
         assert "knee: ten more gain less than a tenth" in whole.text  # where it is not what is planned
         assert again.text == whole.text
 

@@ -274,7 +274,7 @@ async def test_a_watch_link_shows_one_session_and_nothing_else(house, alan, app,
     async with house.client() as screen:
         shown = await screen.get(f"/watch/{secret}")
         assert shown.status_code == 200
-        assert "For looking only" in shown.text
+        assert "View only" in shown.text
         assert made["qr_svg"].startswith("data:image/svg+xml")
         for method, other in (
             ("GET", path),

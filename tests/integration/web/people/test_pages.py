@@ -19,8 +19,8 @@ async def test_an_open_service_says_so_and_leads_to_the_first_person(client, app
     way = f"/first-person/{app.state.context.people.accounts.first_secret}"
 
     assert way in hrefs(page)
-    assert "Open: enter the first person" in page.text
-    assert "The first person" in Page((await client.get(way)).text).text
+    assert "No users yet: add an administrator" in page.text
+    assert "First administrator" in Page((await client.get(way)).text).text
 
 
 async def test_without_accounts_pages_say_so_and_lead_nowhere(settings, bench):
@@ -40,11 +40,11 @@ async def test_without_accounts_pages_say_so_and_lead_nowhere(settings, bench):
     ("path", "sees"),
     [
         ("/sign-in", "Password"),
-        ("/account", "Present password"),
+        ("/account", "Current password"),
         ("/people", "Alan Turing"),
         ("/people?language=fr", "Personnes et programmes"),
-        ("/audit", "Who did what"),
-        ("/audit?q=nothing+like+it", "Nothing yet."),
+        ("/audit", "Audit log"),
+        ("/audit?q=nothing+like+it", "No entries yet."),
         ("/sessions", "Ada Byron"),
     ],
 )
@@ -95,4 +95,4 @@ async def test_a_link_shows_for_whom_it_is_and_nothing_once_it_was_used(house):
     await accounts.register.remove(eve, "a test")
 
     assert "Welcome, Eve" in Page(good.text).text
-    assert (bad.status_code, "opens nothing any more" in bad.text) == (401, True)
+    assert (bad.status_code, "is no longer valid" in bad.text) == (401, True)

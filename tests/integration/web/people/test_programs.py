@@ -93,5 +93,5 @@ async def test_whom_a_plant_names_is_marked_as_said_by_it(house):
         (act,) = (await ada.get("/api/v1/audit", params={"search": "as the plant says"})).json()["acts"]
 
     assert (handed.json()["person"], handed.json()["said_by"]) == ("Ada Byron", "plant")
-    assert "Sent by Ada Byron, says the plant plant," in page
+    assert "Sent by Ada Byron, according to the plant plant," in page
     assert (act["person"], act["reason"]) == ("plant", "handed down by Ada Byron, as the plant says")

@@ -132,7 +132,7 @@ async def test_reached_by_others_it_is_closed_from_the_first_start(settings, ben
     async with served(shop, bench.registry()) as client:
         client.headers.update(ORIGIN)
         assert (await client.get("/api/v1/sessions")).status_code == 401
-        assert "Nobody is entered yet" in (await client.get("/", follow_redirects=True)).text
+        assert "No users yet" in (await client.get("/", follow_redirects=True)).text
         assert (await first(client, secret=new_secret())).status_code == 401
         assert (await first(client)).status_code == 201
         assert (await client.get("/api/v1/sessions")).status_code == 200

@@ -52,7 +52,7 @@ def test_the_tutorial_ends_with_a_corrected_and_proved_program(folder, address):
     )  # fmt: skip
 
     assert done.returncode == 0, done.stderr
-    assert "The model lacks joint harmonics (joint 5)" in done.stdout
+    assert "The model does not include joint harmonics (joint 5)" in done.stdout
     assert "3 of 3 targets corrected." in done.stdout
     assert done.stdout.endswith('"proved":true\n')
     before, after = ((folder / f"square{kind}.mod").read_text().splitlines() for kind in ("", "-corrected"))

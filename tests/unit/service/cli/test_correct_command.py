@@ -56,7 +56,7 @@ def test_a_target_that_was_not_corrected_is_a_no_and_is_named(run):
 
     assert status == 1
     assert [row["status"] for row in rows] == ["ok", "out_of_reach"]
-    assert "far: not corrected, the arm does not reach it." in said.out
+    assert "far: not corrected, out of reach." in said.out
 
 
 def test_json_counts_and_names(run):
@@ -155,7 +155,7 @@ def test_limits_that_nobody_knows_are_empty_and_said(run, tmp_path):
 
     assert [(row["status"], row["beyond_limit_deg"]) for row in rows] == [("limits_unknown", "")]
     assert float(rows[0]["q2_deg"]) == pytest.approx(122.5, abs=0.5)
-    assert "The joint limits of this robot are not known" in said.out
+    assert "The joint limits of this robot are unknown" in said.out
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ def test_a_table_alone_is_guessed_and_told(tmp_path, capsys):
     assert import_command(tmp_path / "mine.csv", out=tmp_path / "mine") == 0
 
     assert len(read_campaign(tmp_path / "mine").calibration) == 30
-    assert "Robot: ABB IRB 120, found among the known ones" in capsys.readouterr().err
+    assert "Robot: ABB IRB 120, known robot with a typical error" in capsys.readouterr().err
 
 
 def test_a_change_of_convention_is_made_only_where_it_is_accepted(tmp_path, capsys):
@@ -130,7 +130,7 @@ def test_a_change_of_convention_is_made_only_where_it_is_accepted(tmp_path, caps
     (tmp_path / "mine.csv").write_bytes(table(names, rows))
     file, mine = tmp_path / "mine.csv", tmp_path / "mine"
 
-    with pytest.raises(ConfigurationError, match="fits if this is changed"):
+    with pytest.raises(ConfigurationError, match="fits with this change"):
         import_command(file, out=mine, robot="abb-irb-120")
     assert import_command(file, out=mine, robot="abb-irb-120", accept_changes=True) == 0
 

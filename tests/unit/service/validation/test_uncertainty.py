@@ -54,6 +54,14 @@ def test_readings_without_errors_and_noise_are_known_exactly():
     assert known.distance.identified.max_mm == 0.0
 
 
+@pytest.mark.parametrize("seed_mm", [5.0, 300.0])
+def test_one_distance_has_no_spread(seed_mm):
+    stated = validate(model_with_frame(), readings(2, error_mm=seed_mm))
+
+    assert stated.distance.identified.n == 1
+    assert stated.uncertainty.distance.identified.sd_mm == 0.0
+
+
 def test_of_thousands_of_readings_some_partners_stand_for_all():
     model = model_with_frame()
 

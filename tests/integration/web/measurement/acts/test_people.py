@@ -130,4 +130,4 @@ async def test_the_cell_says_who_may(client):
 async def test_a_cell_that_announces_nobody_says_so(client, people):
     assert (await client.get("/api/v1/cells/bench")).json()["people"] == []
     assert (await client.get("/health")).json()["people"] == "anybody"
-    assert "announces no people" in (await client.get("/")).text
+    assert "no operators are configured" in (await client.get("/")).text
