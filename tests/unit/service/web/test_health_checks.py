@@ -33,7 +33,11 @@ AMISS = {
     "unreadable": (records(readable=False), {"database": "bad"}, "cannot be read"),
     "late": (records(late=True), {"database": "warn"}, "did not respond within a second"),
     "a late server": (records(late=True, server_doubts=()), {"database": "warn"}, "server did not respond"),
-    "refused": (records(refused="The disk is full."), {"database": "bad"}, "The disk is full. Measurements are"),
+    "refused": (
+        records(refused="The disk is full."),
+        {"database": "bad"},
+        "The disk is full. Measurements are",
+    ),
     "silent": (records(commit_s=None), {"database": "warn"}, "within a second"),
     "a network's disk": (records(commit_s=0.17), {"database": "warn"}, "take 170 ms"),
     "a failing disk": (records(commit_s=2.0), {"database": "bad"}, "take 2000 ms"),
