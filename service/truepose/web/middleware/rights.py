@@ -73,7 +73,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
     """,
     # Whoever sees a robot move may stop it: `command_session` asks for more where it is no halt.
     Role.VIEWER: """
-        openapi get_metrics api_page cell_page work_page reports_page errors_page error_page
+        openapi get_metrics api_page cell_page work_page noun_page reports_page errors_page error_page
         robot_page campaign_page identification_page validation_page model_page job_page closing_page
         report_page report_pdf report_file checklist_view checklist_pdf get_session_space
         plan_checklist_view plan_checklist_pdf

@@ -2,8 +2,8 @@
 
 from typing import Annotated, Final
 
-from fastapi import APIRouter, Query
-from fastapi.responses import HTMLResponse
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse, RedirectResponse
 
 from truepose.effects.registry import EFFECTS
 from truepose.messages.catalogue import Catalogue
@@ -31,9 +31,26 @@ _VIEWS: Final = {
     "jobs": (WorkKind.JOB,),
 }
 ROBOTS: Final = "robots"
+# Nouns that people type as an address, and what this cell has of them.
+_NOUNS: Final = {
+    "/robots": "/work?kind=robots",
+    "/fleet": "/work?kind=robots",
+    "/campaigns": "/work?kind=campaigns",
+    "/readings": "/work?kind=campaigns",
+    "/instruments": "/",
+}
 Searched = Annotated[str, Query(max_length=200, description="Name, serial number, person, cause or number.")]
 View = Annotated[str, Query(max_length=20, description="Which kinds of records; empty: all.")]
 PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Which part of the list.")]
+
+
+async def noun_page(request: Request) -> RedirectResponse:
+    """Lead from the noun in an address to the page that lists it."""
+    return RedirectResponse(_NOUNS[request.url.path])
+
+
+for _noun in _NOUNS:
+    router.add_api_route(_noun, noun_page, methods=["GET"], response_class=RedirectResponse)
 
 
 @router.get("/work", response_class=HTMLResponse)

@@ -141,6 +141,14 @@ async def test_the_work_knows_the_robots(client):
     assert "/robots/ABB%20IRB%20120" in links(await client.get("/work?kind=robots"))
 
 
+@pytest.mark.parametrize("noun", ["robots", "fleet", "campaigns", "readings", "instruments"])
+async def test_a_noun_as_an_address_leads_to_the_list_of_it(client, noun):
+    answer = await client.get(f"/{noun}", follow_redirects=True)
+
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].startswith("text/html")
+
+
 async def test_the_cell_says_what_is_connected_and_what_to_do_next(client, bench):
     before = await client.get("/")
     for device in ("tracker", "robot"):
