@@ -264,7 +264,9 @@ def _show(spread: "Spread") -> None:
 
     from truepose.exchange.results.identification import SpreadDocument
 
-    table = Table("parameter", "unit", "value", "u stated", "u of draws", "bias")
+    table = Table(
+        "parameter", "unit", "value", "u stated", "u of draws", "bias", show_edge=False, pad_edge=False
+    )
     for one in map(SpreadDocument.of, spread.parameters):
         sizes = (one.standard_uncertainty, one.standard_deviation, one.bias)
         table.add_row(one.name, one.unit, f"{one.value:.5g}", *(f"{size:.2g}" for size in sizes))

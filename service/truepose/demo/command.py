@@ -86,7 +86,8 @@ def show_result(judged: JudgedRun, out: Path) -> None:
 
 
 def _errors_table(errors: TrueErrors) -> Table:
-    table = Table(title="True errors of the identified model, mm: the simulator's knowledge")
+    title = "True errors of the identified model, mm: the simulator's knowledge"
+    table = Table(title=title, show_edge=False, pad_edge=False)
     table.add_column("at the validation configurations")
     for name in ("n", "mean", "rms", "max"):
         table.add_column(name, justify="right")

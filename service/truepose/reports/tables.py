@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self
 
 from rich.markup import escape
 from rich.table import Table as TerminalTable
@@ -46,11 +46,25 @@ def heads_of(words: Catalogue, *keys: str) -> list[str]:
 
 def on_terminal(table: Table, title: str = "", *, narrow: bool = False) -> TerminalTable:
     """Return a table for a terminal; a narrow one has many columns, which are broken and stand close."""
-    shown = TerminalTable(title=title or None, padding=0 if narrow else (0, 1))
+    shown = TerminalTable(
+        title=title or None, padding=0 if narrow else (0, 1), show_edge=False, pad_edge=False
+    )
     for column, head in enumerate(table.heads):
-        broken = head.replace(", ", ",\n") if narrow else head
-        shown.add_column(escape(broken), justify="left" if column < table.names else "right")
+        cells = [row[column] for row in table.rows]
+        broken = escape(head.replace(", ", ",\n") if narrow else _in_lines(head, cells))
+        side: Literal["left", "right"] = "left" if column < table.names else "right"
+        shown.add_column(broken, justify=side, overflow="fold")  # too narrow, a word is broken and never cut
     styles = dict.fromkeys(table.dim, "dim") | dict.fromkeys(table.strong, "yellow")
     for number, row in enumerate(table.rows):
         shown.add_row(*map(escape, row), style=styles.get(number, ""))
     return shown
+
+
+_SPARE = 4  # characters by which a head may be wider than what stands below it
+
+
+def _in_lines(head: str, cells: Sequence[str]) -> str:
+    """Return a head in two lines where it alone would make its column wide."""
+    first, _, last = head.rpartition(" ")
+    widest = max(map(len, cells), default=0)
+    return f"{first}\n{last}" if len(last) > 1 and first and len(head) > widest + _SPARE else head

@@ -56,11 +56,11 @@ def test_a_validation_that_failed_says_by_how_much():
     assert reasons(beyond) == [
         (
             DueReason.FAILED,
-            "Validation 3 of 2026-11-20 did not pass: up to 0.412 mm, where 0.300 mm are allowed.",
+            "Validation 3 of 2026-11-20 failed: largest error 0.412 mm, limit 0.300 mm.",
         )
     ]
     (promise,) = reasons(broken)
-    assert promise[1].endswith("0.412 mm on average, where the model claims 0.031 mm.")
+    assert promise[1].endswith("mean error 0.412 mm, where the model claims 0.031 mm.")
 
 
 def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
@@ -70,7 +70,7 @@ def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
 
     assert found == (
         DueReason.FAILED,
-        "Validation 3 of 2026-11-20 did not pass: its error is no finite number.",
+        "Validation 3 of 2026-11-20 failed: its error is not a finite number.",
     )
     assert reasons(endless, told("model", 2)) == []
 
@@ -87,7 +87,7 @@ def test_a_certificate_counts_on_the_day_of_the_measurement():
     (found,) = reasons(expires={"T-7": day(4)})
     assert found == (
         DueReason.UNCERTIFIED,
-        "Last measured on 2026-11-20 with T-7, whose certificate ended on 2026-11-19.",
+        "Last measured on 2026-11-20 with T-7, whose certificate expired on 2026-11-19.",
     )
 
 
@@ -96,9 +96,9 @@ def test_a_certificate_counts_on_the_day_of_the_measurement():
     [
         (
             {"tool": "plate 2", "base": [0.0]},
-            "another tool (plate 1); on 2026-11-20 the robot carried plate 2.",
+            "different tool (plate 1); on 2026-11-20 the robot carried plate 2.",
         ),
-        ({"tool": "plate 1", "base": [5.0]}, "made before the base of the robot was moved"),
+        ({"tool": "plate 1", "base": [5.0]}, "base was moved after model"),
         ({"tool": "plate 1", "base": [0.0]}, None),
         ({}, None),
     ],
@@ -119,7 +119,7 @@ def test_a_diagnosis_says_what_it_leaves_open_until_the_robot_is_measured_again(
 
     assert [why for why, _ in reasons(open_one)] == [DueReason.UNEXPLAINED, DueReason.ASKED]
     assert reasons(open_one)[0][1] == (
-        "Diagnosis 4 of 2026-11-20 leaves 0.210 mm on average that no cause explains."
+        "Diagnosis 4 of 2026-11-20 leaves a mean error of 0.210 mm unexplained."
     )
     assert reasons(open_one, of=robot(ago=1)) == []
 
@@ -211,7 +211,7 @@ def test_a_change_at_once_beyond_the_limit_is_a_reason():
 
     assert why == DueReason.WORSENING
     assert sentence.startswith("Joint")
-    assert "60 per turn: changed at once by 0.210 mm, first seen on 2026-10-14: more than 0.1 mm" in sentence
+    assert "60 per turn: changed abruptly by 0.210 mm, first seen on 2026-10-14, more than 0.1 mm" in sentence
 
 
 def test_what_is_foreseen_comes_after_what_was_measured_and_before_age_the_soonest_first():

@@ -161,7 +161,7 @@ async def test_the_start_page_says_where_another_device_answers(client):
 
     page = (await client.get("/")).text
 
-    assert "the cell file names 390003" in page
+    assert "the cell file specifies 390003" in page
 
 
 async def test_a_session_planned_for_another_robot_does_not_start(settings, bench):

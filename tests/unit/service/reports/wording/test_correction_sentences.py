@@ -35,10 +35,12 @@ def test_a_joint_outside_the_measured_zone_is_told_where_the_last_frame_is_withi
 
     said = " ".join(english(sentence) for sentence in correction_sentences(outside))
 
-    assert "1 of them, a joint by up to 74.1 deg and the last frame by up to 0 mm" in said
+    assert (
+        "1 of them are outside the measured zone, by up to 74.1 deg in a joint and 0 mm in position" in said
+    )
 
 
-@pytest.mark.parametrize(("known", "word"), [(True, None), (False, "does not say")])
+@pytest.mark.parametrize(("known", "word"), [(True, None), (False, "does not state")])
 def test_nothing_is_said_of_a_zone_that_holds_all_targets(known, word):
     said = " ".join(english(sentence) for sentence in correction_sentences(totals(zone_known=known)))
 
@@ -55,5 +57,5 @@ def test_a_model_that_does_not_know_its_uncertainty_promises_nothing():
     done, said, *_ = correction_sentences(summary.totals)
 
     assert "3 of 3" in english(done)
-    assert "does not say how uncertain" in english(said)
+    assert "does not state the uncertainty" in english(said)
     assert np.isnan(summary.totals.largest_uncertainty_mm)
