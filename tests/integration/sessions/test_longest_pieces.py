@@ -151,7 +151,7 @@ async def require_told(kind, robot):
         assert f"stops the arm by itself within {offered.stops_unheard_s:g} s" in english(before)
     else:
         told = f"for up to {offered.longest_piece_s:g} s"
-        known = ", longer only where" if offered.speed_share else " at a speed override of 100 %"
+        known = ", longer if the override" if offered.speed_share else ", longer at less than 100 % override"
         assert told + known in english(before)
         # the speed of the flange changes a little between two of the looks along the way
         assert longest_s <= 1.05 * offered.longest_piece_s
