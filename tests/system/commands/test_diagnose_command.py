@@ -87,7 +87,8 @@ def test_the_first_line_on_a_terminal_is_the_answer(folder, done):
     told = truepose("diagnose", folder)
 
     assert told.returncode == 0
-    assert told.stdout.splitlines()[0] == json.loads(done.stdout)["message"]
+    said = json.loads(done.stdout)
+    assert told.stdout.splitlines()[:2] == [said["outcome"], said["message"]]
     assert "before" in told.stdout
 
 

@@ -28,6 +28,7 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 PAGES: Final = re.compile(
     r"/|/docs|/work|/hand-downs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan(/checklist)?|/faults|/errors(/[^/]+)?"
     r"|/(?:jobs|campaigns|identifications|validations|models)/[^/]+|/(?:robots|instruments|cells)/.+"
+    r"|/(?:identifications|validations|diagnoses)/[^/]+/readings|/readings|/campaigns|/robots|/instruments"
     r"|/sessions(/[^/]+(/result|/closing|/checklist|/again)?)?|/reports(/[^/]+/[^/.]+)?"
     r"|/fleet|/bring(/[^/]+)?|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
 )

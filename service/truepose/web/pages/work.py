@@ -32,7 +32,7 @@ _VIEWS: Final = {
 }
 ROBOTS: Final = "robots"
 # Nouns that people type as an address, and what this cell has of them.
-_NOUNS: Final = {
+NOUNS: Final = {
     "/robots": "/work?kind=robots",
     "/fleet": "/work?kind=robots",
     "/campaigns": "/work?kind=campaigns",
@@ -46,10 +46,10 @@ PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Which part of
 
 async def noun_page(request: Request) -> RedirectResponse:
     """Lead from the noun in an address to the page that lists it."""
-    return RedirectResponse(_NOUNS[request.url.path])
+    return RedirectResponse(NOUNS[request.url.path])
 
 
-for _noun in _NOUNS:
+for _noun in NOUNS:
     router.add_api_route(_noun, noun_page, methods=["GET"], response_class=RedirectResponse)
 
 

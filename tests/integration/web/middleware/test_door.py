@@ -10,6 +10,7 @@ from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_answeri
 from truepose.web.application import create_application
 from truepose.web.middleware.hosts import AllowedHosts
 from truepose.web.middleware.security import PAGES
+from truepose.web.pages.work import NOUNS
 
 APP = create_application("test", contextlib.nullcontext, AllowedHosts(["cell3.shop", "https://proxy.shop"]))
 TAKING_FILES = {"/api/v1/campaigns", "/api/v1/models/1/corrections"}  # as forms bring them
@@ -157,7 +158,7 @@ async def test_the_pages_that_a_link_may_lead_to_are_those_with_html():
     html = paths_answering(APP, HTMLResponse)
 
     assert html
-    assert {path for path in paths_of(APP) if PAGES.fullmatch(path)} == html
+    assert {path for path in paths_of(APP) if PAGES.fullmatch(path)} == html | NOUNS.keys()
 
 
 @pytest.mark.parametrize("method", CHANGING)

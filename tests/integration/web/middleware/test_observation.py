@@ -159,5 +159,5 @@ async def test_a_database_that_is_late_is_a_service_until_it_stays_silent(client
     silent = await client.get("/health")
 
     assert (late.status_code, late.json()["verdict"]) == (200, "warn")
-    assert "did not answer" in late.text
+    assert "did not respond" in late.text
     assert silent.status_code == 503

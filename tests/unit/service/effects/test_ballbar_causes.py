@@ -122,7 +122,7 @@ def test_a_zero_is_shown_as_its_root_mean_square():
 
     assert (still.amplitude, still.unit) == (pytest.approx(0.006), "mm")
     assert still.standard_uncertainty == pytest.approx(0.006 / np.sqrt(20.0), rel=1e-3)
-    assert "is off by 6.0 um" in english(still.sentence)
+    assert "is off by 6.0 \u00b5m" in english(still.sentence)
     assert grown.amplitude == pytest.approx(0.09 * 5 * CADENCE_S / 3600.0)
     assert "grows until the next initialisation" in english(grown.sentence)
 

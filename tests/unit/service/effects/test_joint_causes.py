@@ -350,7 +350,7 @@ def test_growth_is_told_per_metre_and_kelvin():
     )
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.8e-5, "1/K", 1e-6)
-    assert "18.0 um per metre and K" in english(shown.sentence)
+    assert "18.0 \u00b5m per metre and K" in english(shown.sentence)
 
 
 @pytest.mark.parametrize(("ratio", "highest"), [(0.2, 2), (1.0, 2), (12.4, 25)])

@@ -74,8 +74,8 @@ def test_the_first_line_says_where_more_than_the_finding_makes_errors_smaller():
         for left in (rest, nothing)
     )
 
-    assert "with it and what is described without a name, errors on unseen points go" in beside
-    assert "with it, errors on unseen points go" in alone
+    assert "Including it and what is described without a name changes the mean error" in beside
+    assert "Including it changes the mean error" in alone
 
 
 def test_the_first_line_names_the_point_that_got_worse():
