@@ -20,8 +20,7 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.ballbar import step_ids
-from truepose.sessions.ballbar.allowed_commands import Answer
-from truepose.sessions.ballbar.state import READINGS
+from truepose.sessions.ballbar.state import READINGS, Answer
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import SessionError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError

@@ -9,7 +9,8 @@ from tests.helpers.domain.builders import make_ballbar_campaign
 from truepose.domain.campaign import LegReadings, PointReadings
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.errors import BadValueError, MissingEntryError, MissingFileError, WrongUnitError
-from truepose.exchange.tables.files import read_points_to_predict, read_validation_file, write_predictions
+from truepose.exchange.import_wizard.single_table import read_points_to_predict, read_validation_file
+from truepose.exchange.tables.files import write_predictions
 from truepose.messages.catalogue import english
 
 TABLES = campaign_files(make_ballbar_campaign())

@@ -15,8 +15,8 @@ from tests.helpers.machine import HANGS_S
 from tests.system.session_bench import LOOK_S, bench
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.campaign import Stops
+from truepose.exchange.import_wizard.single_table import read_points_to_predict
 from truepose.exchange.models.file import read_model
-from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
 from truepose.planning.tracker.plans import plan_validation
 from truepose.sessions.tracker.runner import TrackerRunner
