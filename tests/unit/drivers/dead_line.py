@@ -49,4 +49,5 @@ async def main():
     sys.stdout.writelines(f"{took_s:.2f}\n" for took_s in told)
 
 
-asyncio.run(main())
+if __name__ == "__main__":  # imported, it would take down the loopback of the machine
+    asyncio.run(main())
