@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 from truepose.exchange.campaigns.folder import DESCRIPTION, TABLES
+from truepose.exchange.models.document import FORMAT
+from truepose.exchange.programs.formats import FORMATS
 
-_PROGRAMS: Final = frozenset({".mod", ".src", ".ls", ".script", ".jbi"})
-_MODEL_FORMAT: Final = "truepose-model"
+_PROGRAMS: Final = frozenset(suffix for known in FORMATS for suffix in known.suffixes) - TABLES - {".json"}
 _LOOKED_AT: Final = 200  # files of a folder
 _LARGEST_BYTES: Final = 4 * 2**20
 
@@ -99,7 +100,7 @@ def _is_model(file: Path) -> bool:
         said = json.loads(file.read_bytes())
     except (OSError, ValueError, RecursionError):
         return False
-    return isinstance(said, dict) and said.get("format") == _MODEL_FORMAT
+    return isinstance(said, dict) and said.get("format") == FORMAT
 
 
 def _is_cell(file: Path) -> bool:

@@ -47,7 +47,9 @@ from truepose.exchange.tables.table_reader import Arrays, TableData
 from truepose.messages.message import Message, message
 
 DESCRIPTION = "campaign.json"
-TABLES = frozenset({".csv", ".tsv", ".txt", ".xlsx"})  # suffixes of readings in columns
+# Suffixes of readings in columns: of text, and with those of workbooks.
+TEXT_TABLES = frozenset({".csv", ".tsv", ".txt", ".dat", ".asc", ".pts", ".tab", ".prn"})
+TABLES = TEXT_TABLES | {".xlsx"}
 GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
 Load = Callable[[str], bytes]
 LoadTable = Callable[[str], TableData]

@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import PurePosixPath
 from typing import Final
 
-from truepose.exchange.campaigns.folder import DESCRIPTION
+from truepose.exchange.campaigns.folder import DESCRIPTION, TEXT_TABLES
 from truepose.exchange.campaigns.zip_file import TOTAL_LIMIT_BYTES, read_zip_files
 from truepose.exchange.errors import InputFileError, UnreadableFileError, UnsafeArchiveError
 from truepose.exchange.import_wizard.dialogue import Choices, Kind
@@ -17,7 +17,7 @@ from truepose.exchange.robots.named import is_robot_file
 from truepose.messages.message import Text, message
 
 MOST_FILES: Final = 200
-_TABLES: Final = frozenset({".csv", ".tsv", ".txt", ".dat", ".asc", ".pts", ".tab", ".prn", ""})
+_TABLES: Final = TEXT_TABLES | {""}
 _HIDDEN: Final = ("__MACOSX", ".", "~$", "Thumbs.db")
 
 

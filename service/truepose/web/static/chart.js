@@ -9,7 +9,7 @@ const MARGIN = 0.04; // of an axis, around what is shown
 const STEP = 0.6; // of what is seen, at each step of zoom
 const POINT_PX = 2.5;
 const HEIGHT_PX = 210;
-const [MIDDLE, TOP] = [0.5, 12];
+const [FAINT, TOP] = [0.5, 12]; // how much of what stands back is seen; pixels above a chart
 const COLOURS = ["ink", "line", "paper", "before", "after"];
 
 const range = ([low, high]) => {
@@ -29,7 +29,7 @@ export function extent(values) {
 class Chart {
   // `told`: hovered(index), picked(indices), and numbers as the page writes them: number(value).
   constructor(host, told) {
-    Object.assign(this, { host, told, ticks: [], zoomed: null, drags: "zoom" });
+    Object.assign(this, { host, told, ticks: [], zoomed: null, drags: "zoom", picked: new Set(), hovered: null });
     host.tabIndex = 0;
     host.addEventListener("keydown", (event) => this.key(event));
     this.size = new ResizeObserver(() => this.plot?.setSize(this.room()));
@@ -153,16 +153,16 @@ class Chart {
     over.addEventListener("pointermove", (event) => {
       const now = at(event);
       if (start && !start.finger && far(start, now)) this.plot.setSelect(box(start, now), false);
-      this.told.hovered(this.near(now), this);
+      this.told.hovered(this.near(now));
     });
     over.addEventListener("pointerup", (event) => {
       const now = at(event);
       if (start && !start.finger && far(start, now)) this.dragged(box(start, now));
-      else if (start) this.told.picked(this.at(now), this);
+      else if (start) this.told.picked(this.at(now));
       start = null;
       this.plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     });
-    over.addEventListener("pointerleave", () => ((start = null), this.told.hovered(null, this)));
+    over.addEventListener("pointerleave", () => ((start = null), this.told.hovered(null)));
     over.addEventListener("dblclick", () => this.reset());
   }
 
@@ -173,7 +173,7 @@ class Chart {
       y: { min: value(top + height, "y"), max: value(top, "y") },
     };
     if (this.drags === "zoom") this.zoom(area);
-    else this.told.picked(this.within(area), this);
+    else this.told.picked(this.within(area));
   }
 
   key(event) {
@@ -203,8 +203,8 @@ class Chart {
       ...up.map(([value, said]) => text(left - 6, top + to.y(value) + 4, said, 'text-anchor="end"')),
     ];
     const [xLabel, yLabel] = this.labels;
-    const labels = text(left + wide * MIDDLE, height - 4, xLabel, 'text-anchor="middle"')
-      + text(0, 0, yLabel, `text-anchor="middle" transform="translate(14 ${top + high * MIDDLE}) rotate(-90)"`);
+    const labels = text(left + wide / 2, height - 4, xLabel, 'text-anchor="middle"')
+      + text(0, 0, yLabel, `text-anchor="middle" transform="translate(14 ${top + high / 2}) rotate(-90)"`);
     return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" font-family="system-ui" font-size="12">`
       + `<rect width="100%" height="100%" fill="#fff"/>`
       + `<svg x="${left}" y="${top}" width="${wide}" height="${high}">${this.shapes(to).join("")}</svg>`
@@ -233,11 +233,10 @@ export class ScatterChart extends Chart {
 
   draw(ctx, ratio) {
     const to = this.placing();
-    const all = this.x.keys();
-    this.dots(ctx, to, this.x.keys(), this.before, this.colour("before"), MIDDLE, ratio);
-    this.dots(ctx, to, all, this.y, this.colour("after"), this.picked?.size ? MIDDLE * MIDDLE : 1, ratio);
-    this.dots(ctx, to, this.picked ?? [], this.y, this.colour("ink"), 1, 1.4 * ratio);
-    if (this.hovered === null || this.hovered === undefined) return;
+    this.dots(ctx, to, this.x.keys(), this.before, this.colour("before"), FAINT, ratio);
+    this.dots(ctx, to, this.x.keys(), this.y, this.colour("after"), this.picked.size ? FAINT * FAINT : 1, ratio);
+    this.dots(ctx, to, this.picked, this.y, this.colour("ink"), 1, 1.4 * ratio);
+    if (this.hovered === null) return;
     ctx.strokeStyle = this.colour("ink");
     ctx.lineWidth = 2 * ratio;
     ctx.beginPath();
@@ -280,25 +279,25 @@ export class ScatterChart extends Chart {
   }
 
   hoveredAt() {
-    const i = this.hovered ?? null;
+    const i = this.hovered;
     return i === null ? null : { x: this.x[i], y: this.y[i] };
   }
 
   // The next point to the right or left of the one that is hovered.
   step(by) {
     const order = [...this.x.keys()].filter((i) => !Number.isNaN(this.x[i])).sort((a, b) => this.x[a] - this.x[b]);
-    const now = order.indexOf(this.hovered ?? null);
-    this.told.hovered(order[(now + by + order.length) % order.length], this);
+    const now = order.indexOf(this.hovered);
+    this.told.hovered(order[(now + by + order.length) % order.length]);
   }
 
   pickHovered() {
-    if (this.hovered !== null && this.hovered !== undefined) this.told.picked([this.hovered], this);
+    if (this.hovered !== null) this.told.picked([this.hovered]);
   }
 
   shapes(to) {
     const dots = (values, colour, alpha) => Array.from(values, (value, i) => Number.isNaN(value) || Number.isNaN(this.x[i]) ? ""
       : `<circle cx="${to.x(this.x[i]).toFixed(1)}" cy="${to.y(value).toFixed(1)}" r="${this.radius?.[i] ?? POINT_PX}" fill="${colour}" opacity="${alpha}"/>`);
-    return [...dots(this.before, this.colour("before"), MIDDLE), ...dots(this.y, this.colour("after"), 1)];
+    return [...dots(this.before, this.colour("before"), FAINT), ...dots(this.y, this.colour("after"), 1)];
   }
 }
 
@@ -338,8 +337,8 @@ export class Histogram extends Chart {
   draw(ctx) {
     const to = this.placing();
     const of = new Array(this.counts.after.length).fill(0);
-    for (const i of this.picked ?? []) of[this.of(this.values[i])] += 1;
-    for (const [counts, name, alpha] of [[this.counts.before, "before", MIDDLE], [this.counts.after, "after", 0.8], [of, "ink", 1]]) {
+    for (const i of this.picked) of[this.of(this.values[i])] += 1;
+    for (const [counts, name, alpha] of [[this.counts.before, "before", FAINT], [this.counts.after, "after", 0.8], [of, "ink", 1]]) {
       ctx.fillStyle = this.colour(name);
       ctx.globalAlpha = alpha;
       for (const bar of this.bars(counts, to)) ctx.fillRect(...bar);
@@ -350,7 +349,10 @@ export class Histogram extends Chart {
   // A class, not a reading: what is told is its bounds and counts.
   near({ x }) {
     const k = this.of(this.plot.posToVal(x, "x"));
-    if (!(k in this.counts.after)) return null;
+    return k in this.counts.after ? this.classAt(k) : null;
+  }
+
+  classAt(k) {
     const [from, to] = [this.low + k * this.width, this.low + (k + 1) * this.width];
     return { from, to, before: this.counts.before[k], after: this.counts.after[k] };
   }
@@ -373,17 +375,16 @@ export class Histogram extends Chart {
 
   step(by) {
     const last = this.counts.after.length - 1;
-    this.key_at = Math.max(0, Math.min(last, (this.key_at ?? -1) + by));
-    const [from, to] = [this.low + this.key_at * this.width, this.low + (this.key_at + 1) * this.width];
-    this.told.hovered({ from, to, before: this.counts.before[this.key_at], after: this.counts.after[this.key_at] }, this);
+    this.stepped = Math.max(0, Math.min(last, (this.stepped ?? -1) + by));
+    this.told.hovered(this.classAt(this.stepped));
   }
 
   pickHovered() {
-    if (this.key_at !== undefined) this.told.picked(this.ofClass(this.key_at), this);
+    if (this.stepped !== undefined) this.told.picked(this.ofClass(this.stepped));
   }
 
   shapes(to) {
-    return [["before", MIDDLE], ["after", 0.8]].flatMap(([name, alpha]) => this.bars(this.counts[name], to).map(([x, y, width, height]) =>
+    return [["before", FAINT], ["after", 0.8]].flatMap(([name, alpha]) => this.bars(this.counts[name], to).map(([x, y, width, height]) =>
       `<rect x="${x.toFixed(1)}" y="${y.toFixed(1)}" width="${Math.max(0, width).toFixed(1)}" height="${height.toFixed(1)}" fill="${this.colour(name)}" opacity="${alpha}"/>`));
   }
 }

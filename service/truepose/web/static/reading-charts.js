@@ -42,7 +42,7 @@ class ReadingCharts extends HTMLElement {
     this.hovered = null;
     const told = {
       number: (value, digits) => numbers.number(value, digits),
-      hovered: (what, chart) => this.hover(what, chart),
+      hovered: (what) => this.hover(what),
       picked: (which) => this.pick(which),
     };
     this.charts = {
@@ -136,7 +136,7 @@ class ReadingCharts extends HTMLElement {
     return item;
   }
 
-  hover(what, chart) {
+  hover(what) {
     this.hovered = typeof what === "number" ? what : null;
     const line = this.part("line");
     if (what === null || what === undefined) line.textContent = line.dataset.hint;
@@ -146,7 +146,6 @@ class ReadingCharts extends HTMLElement {
     this.charts.map.mark(this.picked, this.hovered);
     for (const row of this.part("table").querySelectorAll("tr.hovered")) row.classList.remove("hovered");
     if (this.hovered !== null) this.part("table").querySelector(`tr[data-index="${this.hovered}"]`)?.classList.add("hovered");
-    chart.host.classList.toggle("on", what !== null);
   }
 
   error(value) {
