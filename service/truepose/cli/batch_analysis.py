@@ -260,16 +260,14 @@ def resample_command(
 
 
 def _show(spread: "Spread") -> None:
-    from rich.table import Table
-
     from truepose.exchange.results.identification import SpreadDocument
+    from truepose.reports.tables import Table, on_terminal
 
-    table = Table(
-        "parameter", "unit", "value", "u stated", "u of draws", "bias", show_edge=False, pad_edge=False
-    )
+    rows = []
     for one in map(SpreadDocument.of, spread.parameters):
         sizes = (one.standard_uncertainty, one.standard_deviation, one.bias)
-        table.add_row(one.name, one.unit, f"{one.value:.5g}", *(f"{size:.2g}" for size in sizes))
-    print_tables(table)
+        rows.append([one.name, one.unit, f"{one.value:.5g}", *(f"{size:.2g}" for size in sizes)])
+    heads = ("parameter", "unit", "value", "u stated", "u of draws", "bias")
+    print_tables(on_terminal(Table(heads, rows, names=2)))
     left = f", {spread.not_converged} left out, as they did not converge" if spread.not_converged else ""
     print_lines([f"{spread.draws} draws by {spread.way}{left}."])

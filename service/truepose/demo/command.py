@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Final
 
 from rich.console import Console
-from rich.table import Table
 
 from truepose.demo.cell_run import CAMPAIGN_FOLDER, MODEL_FILE, CellRequest, CellRun, run_cell
 from truepose.demo.errors import DemoError, UnusableScenarioError
@@ -23,7 +22,7 @@ from truepose.reports.error_tables import title_of, turns_table
 from truepose.reports.identification.judged_figures import figures_table
 from truepose.reports.identification.summary import truth_table
 from truepose.reports.rounding import millimetres
-from truepose.reports.tables import on_terminal
+from truepose.reports.tables import Table, on_terminal
 from truepose.version import __version__
 
 RESULT: Final = "result.json"
@@ -74,7 +73,8 @@ def show_result(judged: JudgedRun, out: Path) -> None:
     if judged.errors is None:
         console.print(english(judged.identification.message), soft_wrap=True, markup=False)
     else:
-        console.print(_errors_table(judged.errors))
+        title = "True errors of the identified model, mm: the simulator's knowledge"
+        console.print(on_terminal(_errors_table(judged.errors), title))
         console.print(on_terminal(truth_table(judged.parameters), IN_ENGLISH.say("terminal.truth")))
     for line in diagnosis_lines(judged.run.diagnosis["document"]):
         console.print(line, soft_wrap=True, markup=False)
@@ -86,15 +86,11 @@ def show_result(judged: JudgedRun, out: Path) -> None:
 
 
 def _errors_table(errors: TrueErrors) -> Table:
-    title = "True errors of the identified model, mm: the simulator's knowledge"
-    table = Table(title=title, show_edge=False, pad_edge=False)
-    table.add_column("at the validation configurations")
-    for name in ("n", "mean", "rms", "max"):
-        table.add_column(name, justify="right")
+    rows = []
     for label, figures in (("absolute", errors.absolute), ("after rigid alignment", errors.aligned)):
         values = (figures.mean_mm, figures.rms_mm, figures.max_mm)
-        table.add_row(label, str(figures.n), *(millimetres(value) for value in values))
-    return table
+        rows.append([label, str(figures.n), *map(millimetres, values)])
+    return Table(("at the validation configurations", "n", "mean", "rms", "max"), rows, names=1)
 
 
 def _verdict(run: CellRun) -> str:

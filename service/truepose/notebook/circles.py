@@ -11,7 +11,6 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Robot
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.circles_and_spheres import circle_document
-from truepose.exchange.tables.files import held_out_readings
 from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
@@ -124,13 +123,10 @@ def circles(points: TableOrFile, robot: Model | str | Path) -> CircleErrors:
     Circle test of ABB IRB 120: 1 circle, 0 withheld
     """
     arm = _robot(robot)
-    given = readings_given(points, "points")
-    table = given.read(lambda name, data: held_out_readings(name, data, arm.n_joints, _NESTS))
+    table = readings_given(points, "points").validation(arm.n_joints, _NESTS)
     if not isinstance(table.readings, PointReadings):
         raise ConfigurationError("The rows hold lengths: a circle test takes positions, x_mm y_mm z_mm.")
-    return CircleErrors(
-        circle_test(table.readings), arm.name, tuple(map(english, (*given.remarks, *table.ignored)))
-    )
+    return CircleErrors(circle_test(table.readings), arm.name, tuple(map(english, table.ignored)))
 
 
 def _robot(given: Model | str | Path) -> Robot:

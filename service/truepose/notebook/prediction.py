@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.exchange.tables.files import points_to_predict, write_predictions
+from truepose.exchange.tables.files import write_predictions
 from truepose.identification import predict as predict_positions
 from truepose.messages.catalogue import english
 from truepose.notebook import display
@@ -122,9 +122,8 @@ def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     """
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
-    given = readings_given(points, "points").of_every_nest()
-    table = given.read(lambda name, rows: points_to_predict(name, rows, data.robot.n_joints, nests))
+    table = readings_given(points, "points").stops(data.robot.n_joints, nests)
     stops, nest = table.of_each_nest(nests)
     position_mm, uncertainty_mm = predict_positions(data, stops, nest)
-    remarks = tuple(map(english, (*given.remarks, *table.ignored, *prediction_cautions(data, table.stops))))
+    remarks = tuple(map(english, (*table.ignored, *prediction_cautions(data, table.stops))))
     return Predictions(stops.config, nest, position_mm, uncertainty_mm, remarks)

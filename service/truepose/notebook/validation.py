@@ -17,7 +17,6 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import statistics_document
 from truepose.exchange.results.validation import pose_test_document, validation_document
-from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
 from truepose.messages.catalogue import english
 from truepose.notebook import display
@@ -206,13 +205,8 @@ def validate(
         raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
-    given = readings_given(points, "points")
-    table = given.read(
-        lambda name, rows: held_out_readings(name, rows, data.robot.n_joints, nests, data.targets)
-    )
+    table = readings_given(points, "points").validation(data.robot.n_joints, nests, data.targets)
     answer = validate_model(data, table.readings, limit_mm=limit_mm, rule=rule)
-    remarks = tuple(
-        map(english, (*given.remarks, *table.ignored, *validation_cautions(data, table.readings)))
-    )
+    remarks = tuple(map(english, (*table.ignored, *validation_cautions(data, table.readings))))
     test = pose_test(data, table.readings) if iso9283 else None
     return Validation(answer, data, table.readings, remarks, test)

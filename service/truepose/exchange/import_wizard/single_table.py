@@ -42,20 +42,42 @@ class SingleTable:
     imported: ImportedTable | None = None  # None: it is in the format
     assumed: frozenset[str] = frozenset()  # columns that it does not have: its stops numbered, its only nest
 
-    def read(self, reader: Callable[[str, TableData], T]) -> T:
+    def validation(
+        self, n_joints: int, nests: Collection[int], targets: Sequence[Target] = ()
+    ) -> ValidationFile:
+        """Return measured rows as `held_out_readings` reads them, and what columns were taken for.
+
+        Raises InputFileError.
+        """
+        read = self._read(
+            self.data, lambda name, data: held_out_readings(name, data, n_joints, nests, targets)
+        )
+        return replace(read, ignored=(*self.remarks, *read.ignored))
+
+    def stops(self, n_joints: int, nests: Collection[int]) -> PointsToPredict:
+        """Return stops as `points_to_predict` reads them, of every nest where it names none.
+
+        Raises InputFileError.
+        """
+        read = self._read(
+            self._of_every_nest(), lambda name, data: points_to_predict(name, data, n_joints, nests)
+        )
+        return replace(read, ignored=(*self.remarks, *read.ignored))
+
+    def _read(self, data: TableData, reader: Callable[[str, TableData], T]) -> T:
         """Return what a reader makes of it; raises InputFileError at the line of the file."""
         try:
-            return reader(self.name, self.data)
+            return reader(self.name, data)
         except InputFileError as error:
             if self.imported is None:
                 raise
             raise in_its_file(error, self.imported) from error
 
-    def of_every_nest(self) -> "SingleTable":
-        """Return it without a nest that it does not name: whoever predicts wants all of them then."""
+    def _of_every_nest(self) -> TableData:
+        """Return the data without a nest that nobody named: whoever predicts wants all of them then."""
         if isinstance(self.data, bytes) or "nest" not in self.assumed:
-            return self
-        return replace(self, data={name: cells for name, cells in self.data.items() if name != "nest"})
+            return self.data
+        return {name: cells for name, cells in self.data.items() if name != "nest"}
 
     def with_uncertainty(self, u_mm: float | None) -> "SingleTable":
         """Return it with the standard uncertainty of each reading [mm]; what a column says goes first.
@@ -127,12 +149,9 @@ def read_validation_file(
     InputFileError
     """
     table = single_table(file.name, read_bytes(file)).with_uncertainty(u_mm)
-    read = table.read(lambda name, data: held_out_readings(name, data, n_joints, nests, targets))
-    return replace(read, ignored=(*table.remarks, *read.ignored))
+    return table.validation(n_joints, nests, targets)
 
 
 def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) -> PointsToPredict:
     """Read stops as `points_to_predict` does; raises InputFileError."""
-    table = single_table(file.name, read_bytes(file)).of_every_nest()
-    read = table.read(lambda name, data: points_to_predict(name, data, n_joints, nests))
-    return replace(read, ignored=(*table.remarks, *read.ignored))
+    return single_table(file.name, read_bytes(file)).stops(n_joints, nests)

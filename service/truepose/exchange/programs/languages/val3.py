@@ -21,7 +21,7 @@ from truepose.exchange.programs.program import (
     Source,
     Written,
 )
-from truepose.exchange.tables.table_reader import shown
+from truepose.exchange.tables.table_reader import is_number, shown
 from truepose.messages.message import message
 
 _PIECE: Final = re.compile(
@@ -32,7 +32,6 @@ _PIECE: Final = re.compile(
 _ATTRIBUTE: Final = re.compile(
     r"(?<![\w:.-])([\w:.-]++)\s*+=\s*+(?:\"(?P<double>[^\"]*)\"|'(?P<single>[^']*)')"
 )
-_NUMBER: Final = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _JOINTS: Final = ("j1", "j2", "j3", "j4", "j5", "j6")
 _POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 _BRANCH: Final = ("shoulder", "elbow", "wrist")
@@ -150,7 +149,7 @@ class _Reader:
         return Pose((x, y, z), (a, b, c, d))
 
     def _number(self, span: tuple[int, int]) -> Number:
-        if not _NUMBER.fullmatch(self._source.text[slice(*span)]):
+        if not is_number(self._source.text[slice(*span)]):
             self._source.refuse(f"{shown(self._source.shown(*span))} is not a number", span[0])
         return self._source.number(*span)
 
