@@ -28,7 +28,7 @@ from truepose.storage.queries import Part
 from truepose.storage.records import Page, RequestKey
 from truepose.web.middleware.rights import current_request, signed_in_name
 from truepose.web.problems import MEDIA_TYPE, UNKNOWN_PARAMETER
-from truepose.web.schemas import KEY, NUMBER_LIMIT
+from truepose.web.schemas import KEY, NUMBER_LIMIT, VISIBLE
 
 _MEANING: Mapping[int, str] = {
     400: "The request cannot be read.",
@@ -99,6 +99,26 @@ def _without_null(schema: dict[str, Any]) -> dict[str, Any]:
     if len(choices) != 1:
         return schema
     return {**choices[0], **{name: value for name, value in schema.items() if name != "anyOf"}}
+
+
+_NO_ZERO_BYTE: Final = r"[^\u0000]*"
+_VISIBLE_ALONE: Final = VISIBLE.replace("[^", r"[^\u0000", 1)
+# Of a text in an address, by what its operation asks of it.
+_IN_ADDRESS: Final = {
+    None: f"^{_NO_ZERO_BYTE}$",
+    VISIBLE: f"^{_NO_ZERO_BYTE}{_VISIBLE_ALONE}{_NO_ZERO_BYTE}$",
+}
+
+
+def exclude_zero_bytes_of_parameters(document: dict[str, Any]) -> None:
+    """Let a document say of texts in an address what `middleware.limits` asks of every one: no zero byte."""
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            for parameter in operation.get("parameters", []):
+                schema = parameter["schema"]
+                is_text = schema.get("type") == "string" and not schema.keys() & {"enum", "format"}
+                if parameter["in"] in {"path", "query"} and is_text and schema.get("pattern") in _IN_ADDRESS:
+                    schema["pattern"] = _IN_ADDRESS[schema.get("pattern")]
 
 
 _PREFIX: Final = "/api/v1"

@@ -236,3 +236,17 @@ def test_no_parameter_is_said_to_be_null(document):
     ]
 
     assert [one["name"] for one in parameters if "null" in types_of(one["schema"])] == []
+
+
+def test_texts_in_addresses_are_documented_without_the_zero_byte_that_none_may_hold(document):
+    texts = [
+        parameter["schema"]
+        for operations in document["paths"].values()
+        for operation in operations.values()
+        for parameter in operation.get("parameters", [])
+        if parameter["in"] != "header" and parameter["schema"].get("type") == "string"
+    ]
+    patterns = [schema["pattern"] for schema in texts if not schema.keys() & {"enum", "format"}]
+
+    assert [pattern for pattern in patterns if re.search(pattern, "a\0b")] == []
+    assert sum(re.search(pattern, "left arm") is not None for pattern in patterns) >= 10
