@@ -25,10 +25,8 @@ _VALUE = re.compile(r"[+-]\d{9}")
 _LAMPS = re.compile(r"[012]{7,14}")  # ND 281 B shows 14, ND 231 B 10, ND 221 B 7 of them
 _COMMAND = re.compile(r"[A-Z]\d{4}")
 _TEXT_WIDTH = 13
-_TEXT_WIDTHS = (
-    _TEXT_WIDTH,
-    33,
-)  # of ND 2xx B by their manual; of ND 287 by the 36 bytes that its client reads
+# Of ND 2xx B by their manual; of ND 287 by the 36 bytes that its client reads.
+_TEXT_WIDTHS = (_TEXT_WIDTH, 33)
 _FIELD_WIDTH = 10
 _HIGHEST_COUNT = 999_999_999
 

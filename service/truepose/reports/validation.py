@@ -50,10 +50,10 @@ def decision_sentence(validation: Validation) -> Message | None:
 
 def verdict_sentence(validation: Validation) -> Message:
     """Return by which rule the limit was judged; without one, whether the model errs as it claims."""
-    return decision_sentence(validation) or claim_sentence(validation)
+    return decision_sentence(validation) or _claim_sentence(validation)
 
 
-def claim_sentence(validation: Validation) -> Message:
+def _claim_sentence(validation: Validation) -> Message:
     """Return whether the model errs as it claims."""
     if validation.passed:
         return message("validation.as_claimed")

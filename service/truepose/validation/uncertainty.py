@@ -239,9 +239,8 @@ def _of_pairs(
     return FigureUncertainty(
         mean_mm=mean,
         rms_mm=square / max(found.rms_mm, _TINY_MM),
-        sd_mm=spread / max(found.sd_mm, _TINY_MM)
-        if found.n > 1
-        else 0.0,  # of one pair it is 0 by definition
+        # Of one pair the deviation is 0 by definition.
+        sd_mm=spread / max(found.sd_mm, _TINY_MM) if found.n > 1 else 0.0,
         max_mm=inputs.of(worst),
         signed_mean_mm=signed,
     )
