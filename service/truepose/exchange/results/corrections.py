@@ -11,13 +11,13 @@ from truepose.correction.proof import Proof
 from truepose.domain.correction import CorrectionTotals, UncorrectedTarget
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
-    OUTCOME,
     Document,
     FieldSource,
     Integers,
     Quantity,
     Rows,
     Spoken,
+    SpokenOutcome,
     StatisticsDocument,
     in_degrees,
 )
@@ -104,9 +104,9 @@ class ProofErrorsDocument(Document):
 class ProofDocument(Document):
     """The same targets without and with correction, as they were measured."""
 
-    outcome: Annotated[Spoken, FieldSource("", lambda proof: Outcome(proof.before, proof.after).sentence)] = (
-        OUTCOME
-    )
+    outcome: Annotated[
+        SpokenOutcome, FieldSource("", lambda proof: Outcome(proof.before, proof.after).sentence)
+    ] = ""
     targets: Annotated[int, FieldSource("before.n")] = Field(examples=[30])
     before: StatisticsDocument = Field(
         description="Without correction: from the target to where the nest was read."

@@ -10,12 +10,12 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
-    OUTCOME,
     Document,
     FieldSource,
     Quantities,
     Quantity,
     Spoken,
+    SpokenOutcome,
     StatisticsDocument,
 )
 from truepose.validation.outcome import outcome_of
@@ -197,7 +197,7 @@ class DiagnosisDocument(Document):
 
     robot: str
     verdict: Verdict
-    outcome: Annotated[Spoken, FieldSource("", outcome_of)] = OUTCOME
+    outcome: Annotated[SpokenOutcome, FieldSource("", outcome_of)] = ""
     message: Spoken
     start_effects: list[str]
     findings: list[FindingDocument]

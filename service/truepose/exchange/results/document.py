@@ -49,11 +49,6 @@ def in_file_unit(name: str) -> FieldSource:
 
 
 UNIT: Final = FieldSource("unit", file_unit)
-OUTCOME: Final = Field(
-    "",
-    description="What every result begins with: error before and after, limit, pass or fail.",
-    examples=["Mean error 0.499 mm before (nominal), 0.033 mm after; largest 0.0811 mm, limit 0.1 mm: pass."],
-)
 
 
 class Outgoing(BaseModel):
@@ -135,6 +130,17 @@ def _in_english(value: object) -> object:
 Spoken: TypeAlias = Annotated[
     str, BeforeValidator(_in_english)
 ]  # documents are in English, whoever reads them
+# A type, not one `Field` for several documents: older versions of pydantic write what one document adds into
+# the field itself, and the others then read it.
+SpokenOutcome: TypeAlias = Annotated[
+    Spoken,
+    Field(
+        description="What every result begins with: error before and after, limit, pass or fail.",
+        examples=[
+            "Mean error 0.499 mm before (nominal), 0.033 mm after; largest 0.0811 mm, limit 0.1 mm: pass."
+        ],
+    ),
+]
 
 
 class Document(Outgoing):

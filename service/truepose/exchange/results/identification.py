@@ -12,7 +12,6 @@ from truepose.domain.identification import (
 )
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
-    OUTCOME,
     UNIT,
     Document,
     FieldSource,
@@ -20,6 +19,7 @@ from truepose.exchange.results.document import (
     Quantities,
     Quantity,
     Spoken,
+    SpokenOutcome,
     TurnPairDocument,
     in_file_unit,
 )
@@ -102,7 +102,7 @@ class IdentificationDocument(Document):
 
     robot: str
     status: Status
-    outcome: Spoken = OUTCOME
+    outcome: SpokenOutcome = ""
     message: Spoken
     quantity: Literal["position", "length"]
     effects: list[str]

@@ -9,7 +9,6 @@ from pydantic import AliasChoices, Field
 from truepose.domain.validation import DecisionRule, Validation, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
-    OUTCOME,
     UNIT,
     Document,
     FieldSource,
@@ -17,6 +16,7 @@ from truepose.exchange.results.document import (
     Quantities,
     Quantity,
     Spoken,
+    SpokenOutcome,
     StatisticsDocument,
     TurnPairDocument,
     in_file_unit,
@@ -128,7 +128,7 @@ class ValidationUncertaintyDocument(Document):
 class ValidationDocument(Document):
     """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
 
-    outcome: Annotated[Spoken, FieldSource("", outcome_of)] = OUTCOME
+    outcome: Annotated[SpokenOutcome, FieldSource("", outcome_of)] = ""
     quantity: Literal["position", "length"]
     position: PairDocument
     relative: PairDocument | None = Field(
