@@ -54,3 +54,85 @@ def test_somebody_who_has_never_seen_it_reads_the_cause_of_an_own_table(service,
     assert "SIMULATED" not in tablet.inner_text("body")
     assert taps <= MOST_TAPS
     assert time.monotonic() - begun_s < MOST_S
+
+
+@pytest.fixture
+def asked(service, tablet, tmp_path):
+    """The page of a table that says neither how uncertain its points are nor when they were measured."""
+    lines = example_files()["left arm.csv"].decode().splitlines()
+    (tmp_path / "bare.csv").write_text("\n".join(line.rsplit(",", 1)[0] for line in lines))
+    tablet.goto(f"{service.url}/bring")
+    tablet.set_input_files("[data-bring] input[multiple]", tmp_path / "bare.csv")
+    expect(tablet.locator("[data-about]")).to_have_count(2)
+    return tablet
+
+
+@pytest.fixture
+def today(asked):
+    return asked.locator('[data-day="0"]')
+
+
+@pytest.fixture
+def uncertainty(asked):
+    return asked.locator('[data-about="uncertainty"] button').first
+
+
+def chosen(button):
+    expect(button).to_have_attribute("aria-pressed", "true")
+
+
+def test_an_answered_question_stays_and_so_does_what_is_below_it(asked, today, uncertainty):
+    place = today.bounding_box()
+
+    uncertainty.click()
+    chosen(uncertainty)
+
+    assert today.bounding_box() == place
+    asked.mouse.click(place["x"] + 9, place["y"] + 9)
+    chosen(today)
+    chosen(uncertainty)
+    expect(asked.locator("[data-go]")).to_be_visible()
+
+
+def test_an_answer_can_be_changed(asked, today, uncertainty):
+    today.click()
+    chosen(today)
+
+    asked.locator('[data-day="1"]').click()
+
+    chosen(asked.locator('[data-day="1"]'))
+    expect(today).to_have_attribute("aria-pressed", "false")
+
+
+def test_a_press_that_lasts_while_the_page_is_written_anew_is_a_tap(asked, today, uncertainty):
+    today.scroll_into_view_if_needed()
+    place = today.bounding_box()
+    asked.mouse.move(place["x"] + 9, place["y"] + 9)
+
+    with asked.expect_response("**/bring/*"):
+        uncertainty.evaluate("button => button.click()")
+        asked.mouse.down()
+    asked.wait_for_timeout(300)
+    asked.mouse.up()
+
+    chosen(today)
+    chosen(uncertainty)
+
+
+def test_a_page_that_arrives_late_undoes_no_later_one(asked, today, uncertainty):
+    late = []
+    asked.route(
+        "**/bring/*", lambda route: route.continue_() if late else late.append((route, route.fetch()))
+    )
+    uncertainty.click()
+    while not late:
+        asked.wait_for_timeout(20)
+
+    today.click()
+    chosen(today)
+    route, reply = late[0]
+    route.fulfill(response=reply)
+
+    asked.wait_for_timeout(300)
+    chosen(today)
+    chosen(uncertainty)

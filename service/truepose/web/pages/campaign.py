@@ -1,19 +1,20 @@
 """Campaigns, and the import wizard: dropped files, how they were understood, what is made of them."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.robot import Robot
-from truepose.exchange.import_wizard.dialogue import DetectedFile, Understood
+from truepose.exchange.import_wizard.dialogue import Asked, DetectedFile, Question, Understood
 from truepose.exchange.import_wizard.headings import AXES, QUANTITIES, ColumnMeaning
 from truepose.exchange.robots.named import list_robots, load_robot
 from truepose.messages.catalogue import Catalogue
+from truepose.messages.message import message
 from truepose.storage.drafts import Draft
 from truepose.storage.records import JobKind
 from truepose.storage.results.items import WorkKind
@@ -63,6 +64,13 @@ _ROLES: Final = {
 }
 _KINDS: Final = {"robot": "bring.file.robot", "description": "bring.file.description"}
 _JOBS: Final = {JobKind.IDENTIFICATION: "bring.job.identification", JobKind.DIAGNOSIS: "bring.job.diagnosis"}
+# Questions that stay where they are once they are answered: what stands below them would else move under the
+# finger that is on its way there, and an answer can be changed.
+_ANSWERED: Final[Mapping[str, Question]] = {
+    "u_mm": Question("uncertainty", message("bring.ask.uncertainty")),
+    "measured_on": Question("day", message("bring.ask.day")),
+}
+_ORDER: Final = get_args(Asked)
 _JOINTS: Final = 7  # that a list offers; more are chosen through the interface for programs
 
 
@@ -103,6 +111,7 @@ async def draft_page(visit: Visited, id: str) -> HTMLResponse:
         "bring/draft.html",
         draft=draft,
         found=found,
+        questions=_questions(draft, found),
         jobs=jobs,
         lost=[job for job in jobs if job.state.final and job.result_id is None],
         robots=_robots(),
@@ -119,6 +128,12 @@ async def draft_page(visit: Visited, id: str) -> HTMLResponse:
         sent=_sent,
         numbers=_numbers(draft, found.files),
     )
+
+
+def _questions(draft: Draft, found: Understood) -> list[Question]:
+    """Return what is asked, and what was and somebody answered, in the order in which it is asked."""
+    answered = [question for name, question in _ANSWERED.items() if draft.choices.get(name) is not None]
+    return sorted([*found.questions, *answered], key=lambda question: _ORDER.index(question.about))
 
 
 def _robots() -> list[Choice]:

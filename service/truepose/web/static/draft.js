@@ -8,8 +8,15 @@ const page = () => document.querySelector("#draft");
 const address = () => `/api/v1/drafts/${page().dataset.draft}`;
 const unreachable = () => page().dataset.unreachable;
 
+let underWay = 0;
+
+function showWhetherBusy() {
+  page().ariaBusy = underWay > 0 ? "true" : null;
+}
+
 async function doing(act) {
-  page().setAttribute("aria-busy", "true");
+  underWay += 1;
+  showWhetherBusy();
   try {
     await act();
     await inPage("#draft", unreachable());
@@ -19,7 +26,8 @@ async function doing(act) {
     said.textContent = error.message;
     said.classList.add("bad");
   } finally {
-    page().removeAttribute("aria-busy");
+    underWay -= 1;
+    showWhetherBusy();
   }
 }
 
@@ -124,8 +132,16 @@ function showFault() {
   document.querySelector("td[aria-invalid]")?.scrollIntoView({ inline: "center", block: "nearest" });
 }
 
+function showDayAnswered() {
+  const said = document.querySelector("[data-date]")?.value;
+  for (const button of document.querySelectorAll("[data-day]")) {
+    button.ariaPressed = String(dayBefore(Number(button.dataset.day)) === said);
+  }
+}
+
 // Nothing can be tapped before somebody listens.
 function begin() {
+  showDayAnswered();
   page().removeAttribute("inert");
   showFault();
   follow();
