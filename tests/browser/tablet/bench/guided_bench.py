@@ -20,8 +20,15 @@ NOISE_MM = 0.0005
 FIXED = 1.0  # a reflector so near a fixed nest [mm] is in it
 
 
+LONGEST_STALL_S = 1.0  # half of what a robot's statement may be old
+
+
 class BriskClock:
-    """Runs faster than the person who looks on; `pace` may be set to see one step for long."""
+    """Runs faster than the person who looks on; `pace` may be set to see one step for long.
+
+    A machine that stands still for a moment is no robot that is silent for as many times the pace: everybody
+    who waits on this clock reads it often, so a long pause between two reads is the machine's own.
+    """
 
     def __init__(self, pace):
         self.pace = pace
@@ -30,7 +37,7 @@ class BriskClock:
     @property
     def time_s(self):
         now_s = time.monotonic()
-        self._passed_s += (now_s - self._since_s) * self.pace
+        self._passed_s += min((now_s - self._since_s) * self.pace, LONGEST_STALL_S)
         self._since_s = now_s
         return self._passed_s
 
