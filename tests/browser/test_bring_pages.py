@@ -77,7 +77,7 @@ def uncertainty(asked):
     return asked.locator('[data-about="uncertainty"] button').first
 
 
-def chosen(button):
+def assert_chosen(button):
     expect(button).to_have_attribute("aria-pressed", "true")
 
 
@@ -85,22 +85,22 @@ def test_an_answered_question_stays_and_so_does_what_is_below_it(asked, today, u
     place = today.bounding_box()
 
     uncertainty.click()
-    chosen(uncertainty)
+    assert_chosen(uncertainty)
 
     assert today.bounding_box() == place
     asked.mouse.click(place["x"] + 9, place["y"] + 9)
-    chosen(today)
-    chosen(uncertainty)
+    assert_chosen(today)
+    assert_chosen(uncertainty)
     expect(asked.locator("[data-go]")).to_be_visible()
 
 
 def test_an_answer_can_be_changed(asked, today, uncertainty):
     today.click()
-    chosen(today)
+    assert_chosen(today)
 
     asked.locator('[data-day="1"]').click()
 
-    chosen(asked.locator('[data-day="1"]'))
+    assert_chosen(asked.locator('[data-day="1"]'))
     expect(today).to_have_attribute("aria-pressed", "false")
 
 
@@ -115,8 +115,8 @@ def test_a_press_that_lasts_while_the_page_is_written_anew_is_a_tap(asked, today
     asked.wait_for_timeout(300)
     asked.mouse.up()
 
-    chosen(today)
-    chosen(uncertainty)
+    assert_chosen(today)
+    assert_chosen(uncertainty)
 
 
 def test_a_page_that_arrives_late_undoes_no_later_one(asked, today, uncertainty):
@@ -129,10 +129,10 @@ def test_a_page_that_arrives_late_undoes_no_later_one(asked, today, uncertainty)
         asked.wait_for_timeout(20)
 
     today.click()
-    chosen(today)
+    assert_chosen(today)
     route, reply = late[0]
     route.fulfill(response=reply)
 
     asked.wait_for_timeout(300)
-    chosen(today)
-    chosen(uncertainty)
+    assert_chosen(today)
+    assert_chosen(uncertainty)
