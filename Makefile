@@ -8,6 +8,9 @@ PIP := -m pip --quiet --disable-pip-version-check
 # What is installed beside the service: `dev` to work on it, `smoke` for `make smoke` alone; `dev,docs` also what the
 # site of its guide is built with.
 EXTRAS ?= dev
+# Where the demo leaves its reports, and how many processes run tests.
+DEMO ?= out/demo
+PROCESSES ?= 4
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
@@ -25,7 +28,7 @@ $(VENV)/.installed: pyproject.toml service/build_hook.py $(wildcard service/pack
 	touch $@ $(if $(findstring docs,$(EXTRAS)),$(VENV)/.docs)
 
 demo: setup
-	$(BIN)/truepose demo --out out/demo
+	$(BIN)/truepose demo --out $(DEMO)
 
 # A file of tests at a time, so that what a module sets up is set up once; long files first (`tests/conftest.py`), so
 # that there is something to do beside them. Four processes on two cores: files of tests wait for half of their time,
@@ -37,11 +40,11 @@ PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BI
   --dist loadfile --no-loadscope-reorder
 
 test: setup
-	$(PYTEST) --numprocesses 4 --ignore tests/thorough
+	$(PYTEST) --numprocesses $(PROCESSES) --ignore tests/thorough
 
 # How often, how exactly and how well: causes at every size, studies, the demo and the wheel as they are installed.
 thorough: setup
-	$(PYTEST) --numprocesses 4 tests/thorough
+	$(PYTEST) --numprocesses $(PROCESSES) tests/thorough
 
 unit: setup
 	$(PYTEST) --numprocesses 2 tests/unit
@@ -53,7 +56,7 @@ SESSIONS := $(addprefix tests/, \
   integration/web/measurement/test_camera_sessions.py integration/web/measurement/test_contact_sessions.py)
 
 smoke: setup
-	$(PYTEST) --numprocesses 4 -q tests/unit/drivers tests/unit/service/sessions tests/unit/service/exchange $(SESSIONS)
+	$(PYTEST) --numprocesses $(PROCESSES) -q tests/unit/drivers tests/unit/service/sessions tests/unit/service/exchange $(SESSIONS)
 
 # What an attacker tried, in the order of its report: the wrist, unknown limits and inches; a bar nobody can read;
 # models that were handed down; the speed of the tool; guesses, tokens, secrets; broken text, files and requests.
