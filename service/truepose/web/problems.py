@@ -172,7 +172,7 @@ class Problem(BaseModel):
     meaning: str = Field(
         description="What it means for the data.", examples=["Nothing was stored or changed."]
     )
-    action: str = Field(description="What to do now.", examples=["Look the number up in its list."])
+    action: str = Field(description="What to do now.", examples=["Look up the number in the list."])
     code_url: str = Field(description="The page of the code.", examples=["/errors/TP-1020"])
 
 

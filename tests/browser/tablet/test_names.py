@@ -57,7 +57,7 @@ def test_many_people_can_be_scrolled_to_on_a_phone_and_stop_stays_in_reach(desk,
 
 
 def test_whoever_is_not_announced_watches_and_stops_and_is_asked_before_anything_else(desk, announced):
-    announced.get_by_role("button", name="Only watch").click()
+    announced.get_by_role("button", name="Watch only").click()
     expect(announced.locator("#dialogue")).to_be_hidden()
 
     announced.get_by_role("button", name="STOP").click()
@@ -101,8 +101,8 @@ def test_what_the_service_says_of_a_refused_name_stands_beside_the_names(desk, a
 
 def test_what_the_service_says_of_a_refused_name_stands_beside_the_field(desk, nameless):
     nameless.get_by_label("Name", exact=True).fill("...")
-    nameless.get_by_role("button", name="Keep my name").click()
-    desk.name_refused = "person: a name has a letter or a digit, and only characters that can be seen."
+    nameless.get_by_role("button", name="Save name").click()
+    desk.name_refused = "person: a name must have a letter or a digit, and only visible characters."
 
     nameless.get_by_role("button", name="Store now").click()
 

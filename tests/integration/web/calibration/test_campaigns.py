@@ -198,7 +198,7 @@ async def test_readings_kept_for_validation_never_identify(client, until):
     refused = await client.post(f"/api/v1/sessions/{validation['id']}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
-    assert "The readings of session 1 are for validation and never identify" in refused.json()["detail"]
+    assert "The readings of session 1 are for validation and must not identify" in refused.json()["detail"]
     assert (await client.get(CAMPAIGNS)).json() == []
 
 
@@ -218,7 +218,7 @@ async def test_a_session_that_never_ran_makes_no_campaign(client):
     refused = await client.post(f"{path}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
-    assert refused.json()["detail"] == "Session 1 has no reading of a tool nest; run it first."
+    assert refused.json()["detail"] == "Session 1 has no readings of a tool nest; run it first."
 
 
 async def test_sessions_named_in_json_make_a_campaign(client, until):

@@ -243,7 +243,7 @@ async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
     refused = await client.post(f"{path}/diagnosis", json={})
 
     assert refused.status_code == 409
-    assert "are for validation and never identify" in refused.json()["detail"]
+    assert "are for validation and must not identify" in refused.json()["detail"]
 
 
 async def test_a_diagnosis_asked_twice_with_one_key_runs_once(client, until):
@@ -273,5 +273,5 @@ async def test_robots_with_two_serial_numbers_are_not_compared_with_each_other(s
             one = await client.get(f"{DIAGNOSES}/comparison", params=second)
 
     assert mixed.status_code == 409
-    assert "serial numbers 120-1, 120-2; name one of them" in mixed.json()["detail"]
+    assert "serial numbers 120-1, 120-2; specify one of them" in mixed.json()["detail"]
     assert [entry["robot_serial_number"] for entry in one.json()["diagnoses"]] == ["120-2"]

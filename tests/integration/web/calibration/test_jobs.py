@@ -392,7 +392,7 @@ async def test_the_job_that_plans_a_proof_names_the_model_and_nothing_is_proved_
 
     assert (job["state"], job["request"]["proves_model_id"]) == ("succeeded", model_id), job["message"]
     assert proof.status_code == 409
-    assert "no reading of a tool nest; run it first" in proof.json()["detail"]
+    assert "no readings of a tool nest; run it first" in proof.json()["detail"]
 
 
 _TURN = {"joint": 6, "lower_deg": -180, "upper_deg": 180, "step_deg": 90}
@@ -438,7 +438,7 @@ async def test_what_a_test_reads_never_identifies(client, plan):
     refused = await client.post("/api/v1/sessions", json=wanted)
 
     assert refused.status_code == 409
-    assert 'its role is "validation"' in refused.json()["detail"]
+    assert 'set its role to "validation"' in refused.json()["detail"]
 
 
 async def test_what_a_proof_reads_never_identifies(client):
@@ -448,5 +448,5 @@ async def test_what_a_proof_reads_never_identifies(client):
     unknown = await client.post("/api/v1/sessions", json=wanted | {"role": "validation"})
 
     assert refused.status_code == 409
-    assert 'its role is "validation"' in refused.json()["detail"]
+    assert 'set its role to "validation"' in refused.json()["detail"]
     assert unknown.status_code == 404

@@ -225,5 +225,5 @@ async def test_only_a_diagnosis_of_the_same_session_is_run_again(client, until, 
     bench.robot.gate.set()
 
     assert (refused.status_code, missing.status_code) == (409, 404)
-    assert "is not of the readings of session 2" in refused.json()["detail"]
+    assert "was not made from the readings of session 2" in refused.json()["detail"]
     assert (await client.get(other)).json()["planned"] == 3

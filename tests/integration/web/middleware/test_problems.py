@@ -73,14 +73,14 @@ async def test_what_cannot_be_seen_is_refused_in_words(client):
     unseen = await client.post(SESSIONS, json=session_request(name=" \u00a0"))
     blank = await client.post(SESSIONS, json=session_request(), headers={"Idempotency-Key": "left arm"})
 
-    assert detail_of(unseen, 422) == "name: nobody could see it; give it at least one visible character."
-    assert "without blanks" in detail_of(blank, 422)
+    assert detail_of(unseen, 422) == "name: no visible character; enter at least one."
+    assert "without spaces" in detail_of(blank, 422)
 
 
 async def test_a_body_of_another_type(client):
     refused = await client.post(SESSIONS, content="name: x", headers={"Content-Type": "text/yaml"})
 
-    assert "text/yaml; application/json is understood" in detail_of(refused, 415)
+    assert "text/yaml is not accepted here; send application/json" in detail_of(refused, 415)
 
 
 @pytest.mark.parametrize("declared", [True, False])
@@ -115,7 +115,7 @@ async def test_a_problem_says_what_it_means_for_the_data_and_what_to_do(client):
 
     assert (problem["code"], problem["code_url"]) == ("TP-1020", "/errors/TP-1020")
     assert problem["meaning"] == "Nothing was stored or changed."
-    assert problem["action"].startswith("Look the number up")
+    assert problem["action"].startswith("Look up the number")
 
 
 @pytest.mark.parametrize(

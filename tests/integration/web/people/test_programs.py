@@ -42,8 +42,8 @@ async def test_a_device_of_somebody_who_only_looks_now_plans_no_more(house):
     assert (before, others, again) == ([422], [403], [422])
     assert (after.status_code, looking, gone) == (403, 200, 401)
     assert after.json()["detail"] == (
-        "program of Mary Somerville may do what Mary Somerville may, whose role is viewer now; this is for "
-        "the role operator and those above it."
+        "program of Mary Somerville has the rights of Mary Somerville, whose role is now viewer; this "
+        "requires the role operator or higher."
     )
 
 

@@ -77,7 +77,7 @@ async def test_what_is_no_hand_down_is_refused(client, wrong):
         ("NaN", "document: a number that is not finite"),
         ('[{"b": -Infinity}]', "document: a number that is not finite"),
         ("1e999", "document: a number that is not finite"),
-        ('"\\ud800"', "The body holds half a character"),
+        ('"\\ud800"', "The body contains half a character"),
     ],
 )
 async def test_what_no_other_program_takes_for_json_is_refused(client, said, because):

@@ -192,7 +192,7 @@ async def test_a_session_for_an_identification_has_no_report_of_its_own(client, 
     answer = await client.get(f"/reports/session/{number}")
 
     assert answer.status_code == 409
-    assert "its report is that one" in answer.text
+    assert "see the report of the identification instead" in answer.text
 
 
 async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_hold(client, until):

@@ -112,8 +112,8 @@ def test_where_the_tracker_sees_no_pose_no_cube_is_made_up():
 @pytest.mark.parametrize(
     ("wrong", "sentence"),
     [
-        ({"edge_mm": None}, "both centre and edge"),
-        ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "no orientation"),
+        ({"edge_mm": None}, "both the centre and the edge length"),
+        ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "is not an orientation"),
         ({"nest": 4}, "no tool nest 4"),
         ({"edge_mm": 2000.0}, "out of the robot's reach"),
     ],

@@ -409,7 +409,7 @@ _SPHERE = {"kind": "ballbar", "name": "sphere", "plan": {"method": "sphere"}}
     ("placements", "says"),
     [
         (None, "give one placement of the fixture"),
-        ([PLACEMENT], "give its placement without poses"),
+        ([PLACEMENT], "give the placement without poses"),
         ([{"x_mm": 1500, "y_mm": 0, "z_mm": 150}], "cannot hold the setting ball"),
     ],
 )
