@@ -86,7 +86,7 @@ def test_ending_the_session_is_asked_twice(desk, tablet):
     tablet.get_by_role("button", name="Abort").click()
     assert desk.acts == []
 
-    tablet.get_by_role("button", name="End the session").click()
+    tablet.get_by_role("button", name="Abort the session").click()
 
     assert [act["act"] for act in acted(tablet, desk)] == ["abort"]
 
@@ -204,18 +204,18 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
 @pytest.mark.parametrize(
     ("kind", "said", "answer", "button"),
     [
-        ("same_pair", "which was read before", "reconnected", "I have reconnected it"),
+        ("same_pair", "already measured", "reconnected", "I have reconnected it"),
         (
             "other_pair",
-            "The length goes with B1\u2013T2, not with B2\u2013T3.",
+            "The length matches B1\u2013T2, not B2\u2013T3.",
             "right_pair",
             "It is on B2\u2013T3",
         ),
         (
             "exchanged",
-            "B2\u2013T3 and B1\u2013T2 seem to be exchanged.",
+            "B2\u2013T3 and B1\u2013T2 seem to be swapped.",
             "reconnected",
-            "Exchanged: read both again",
+            "Swapped: read both again",
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
         ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
@@ -229,7 +229,7 @@ def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, but
     suspected = None if kind == "unlikely" else SUSPICION["suspected"]
     desk.show(suspicion={**SUSPICION, "kind": kind, "suspected": suspected})
     expect(tablet.locator("#panel")).to_contain_text(said)
-    expect(tablet.locator("#panel")).to_contain_text("Nothing is stored yet")
+    expect(tablet.locator("#panel")).to_contain_text("Not stored yet")
 
     tablet.get_by_role("button", name=button).click()
 
@@ -274,7 +274,7 @@ def test_the_name_is_asked_for_once(desk, chromium, url):
     with a_tablet(chromium, url, person=None) as tablet:
         tablet.goto(f"{url}/operator/3")
         tablet.get_by_label("Name", exact=True).fill("Grace Hopper")
-        tablet.get_by_role("button", name="Keep my name").click()
+        tablet.get_by_role("button", name="Save name").click()
         tablet.get_by_role("button", name="Store now").click()
         assert acted(tablet, desk)[0]["person"] == "Grace Hopper"
 

@@ -26,7 +26,7 @@ def test_the_question_names_both_and_a_held_button_accepts_the_one_that_it_names
     ask(desk)
     expect(tablet.locator("body")).to_have_attribute("data-screen", "foreign")
     asked = tablet.locator("#instruction").inner_text()
-    button = tablet.get_by_role("button", name="Hold: go on with B-9")
+    button = tablet.get_by_role("button", name="Hold: continue with B-9")
     button.hover()
 
     hold_long_enough(tablet)
@@ -38,7 +38,7 @@ def test_the_question_names_both_and_a_held_button_accepts_the_one_that_it_names
 def test_a_tap_accepts_nothing(desk, tablet):
     ask(desk)
 
-    tablet.get_by_role("button", name="Hold: go on with B-9").click()
+    tablet.get_by_role("button", name="Hold: continue with B-9").click()
     tablet.wait_for_timeout(300)
 
     assert desk.acts == []
@@ -46,7 +46,7 @@ def test_a_tap_accepts_nothing(desk, tablet):
 
 def test_a_hold_for_one_ballbar_does_not_accept_a_third(desk, tablet):
     ask(desk)
-    tablet.get_by_role("button", name="Hold: go on with B-9").hover()
+    tablet.get_by_role("button", name="Hold: continue with B-9").hover()
 
     tablet.mouse.down()
     tablet.wait_for_timeout(500)
@@ -68,7 +68,7 @@ def test_a_motion_is_confirmed_without_a_number(desk, tablet):
 
 def test_a_confirmation_names_the_question_that_was_read(desk, tablet):
     desk.show(state="awaiting_confirmation", commands=["confirm"], prompt={"id": 57})
-    tablet.get_by_role("button", name="I have looked").click()
+    tablet.get_by_role("button", name="I have checked").click()
     acted(tablet, desk)
     desk.show(step=move(), state="running", commands=["confirm"], prompt=None, ballbar_attached=False)
     tablet.get_by_role("button", name="Hold").hover()

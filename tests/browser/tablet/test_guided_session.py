@@ -125,9 +125,9 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         on(page, "paused")
         seen["paused"] = page.evaluate(LOOK)
         page.get_by_role("button", name="Configuration 1, measured").click()
-        expect(page.locator("#panel")).to_contain_text("Configuration 1 is chosen")
+        expect(page.locator("#panel")).to_contain_text("Configuration 1 selected")
         page.get_by_role("button", name="Retry").click()
-        expect(page.get_by_role("button", name="Configuration 1, to come")).to_be_visible()
+        expect(page.get_by_role("button", name="Configuration 1, pending")).to_be_visible()
         bench.clock.pace = 40
         held(page)
         on(page, "ask")  # what is wanted again comes last, and after a question
@@ -161,8 +161,8 @@ def test_taps_without_a_network_arrive_once_each(chromium, url, bench, ended):
         for config in (20, 21):
             page.get_by_role("button", name=f"Configuration {config}, to come").click()
             page.get_by_role("button", name="Skip").click()
-            page.get_by_text("Something stands in the beam").click()
-            page.get_by_role("button", name="Leave it out").click()
+            page.get_by_text("Something blocks the beam").click()
+            page.get_by_role("button", name="Skip it").click()
         page.get_by_role("button", name="Pause").click()
         expect(page.locator("#queued")).to_have_attribute("data-count", "3")
         wire.heal()

@@ -92,7 +92,7 @@ def test_the_length_is_in_inches_for_whoever_chose_them_and_no_coarser(desk, tab
     expect(tablet.locator("#length")).to_have_text("299.650 mm")
 
 
-@pytest.mark.parametrize(("state", "said"), [("out_low", "balls are closer"), ("out_high", "farther apart")])
+@pytest.mark.parametrize(("state", "said"), [("out_low", "balls are too close"), ("out_high", "too far apart")])
 def test_out_of_range_is_explained_and_skipping_is_offered_with_its_reason(desk, tablet, state, said):
     in_state(tablet, desk, state)
 
@@ -116,14 +116,14 @@ def test_a_base_that_the_robot_placed_badly_may_be_skipped(desk, tablet):
     desk.show(step=step("measure_side", artefact="base", points=["B1", "B2"]))
     in_state(tablet, desk, "out_high")
 
-    expect(tablet.locator("#advice")).to_contain_text("skip it with that reason")
+    expect(tablet.locator("#advice")).to_contain_text("skip it as out of range")
 
 
 def test_standing_still_is_seen_to_grow(desk, tablet):
     desk.sample = sample(stable=0.8)
     until(tablet, "document.querySelector('#gauge').style.getPropertyValue('--stable') === '0.8'")
 
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
     desk.sample = sample(still=False)
     expect(tablet.locator("#advice")).to_have_text("The arm is not at rest yet")
 
@@ -131,20 +131,20 @@ def test_standing_still_is_seen_to_grow(desk, tablet):
 def test_a_bar_that_was_not_moved_is_told_of(desk, tablet):
     desk.sample = sample(stable=1.0)
 
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
-    expect(tablet.locator("#advice")).to_contain_text("still sits where it was read before", timeout=4000)
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_contain_text("seems to be where it was", timeout=4000)
     desk.show(step=leg(3, 1))
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
 
 
 def test_what_was_read_is_not_waited_for_again_until_the_bar_was_off(desk, tablet):
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
 
     desk.show(last_outcome={"step_id": "x", "kind": "measured", "length_mm": 300.4213, "text": ""})
-    expect(tablet.locator("#advice")).to_contain_text("was read already")
+    expect(tablet.locator("#advice")).to_contain_text("has already been read")
     in_state(tablet, desk, "no_signal")
     in_state(tablet, desk, "in_range")
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
 
 
 @pytest.mark.parametrize("renewed", ["off", "moved", "retry"])
@@ -153,7 +153,7 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
     desk.show(suspicion={**told, "length_mm": 300.4213})
     tablet.locator("body[data-screen=doubt]").wait_for()
     desk.show(suspicion=None)  # "I have reconnected it", and nobody did
-    expect(tablet.locator("#advice")).to_contain_text("was read already")
+    expect(tablet.locator("#advice")).to_contain_text("has already been read")
 
     if renewed == "off":
         in_state(tablet, desk, "no_signal")
@@ -161,7 +161,7 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
         tablet.get_by_role("button", name="Retry").click()
     desk.sample = sample(length_mm=300.8 if renewed == "moved" else 300.4215)
 
-    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
 
 
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):

@@ -63,7 +63,7 @@ def test_a_silent_link_is_told_within_two_seconds(desk, wired):
     expect(page.locator("#lost")).to_contain_text("emergency stop")
     expect(page.locator("#gauge")).to_have_attribute("data-state", "no_signal")  # an old length is no length
     expect(page.locator("#word")).to_have_text("No connection")  # nobody is sent to the cable of the bar
-    expect(page.locator("#advice")).to_contain_text("may stay where it is")
+    expect(page.locator("#advice")).to_contain_text("can leave the ballbar where it is")
 
 
 def test_a_quiet_session_is_not_taken_for_a_lost_one(desk, wired):
@@ -84,7 +84,7 @@ def test_taps_wait_with_their_number_and_are_sent_once_in_order(desk, wired):
     page.get_by_role("button", name="Done").click()
     page.get_by_role("button", name="Pause").click()
     expect(page.locator("#queued")).to_have_attribute("data-count", "2")
-    expect(page.locator("#queued")).to_contain_text("2 taps wait")
+    expect(page.locator("#queued")).to_contain_text("2 taps are waiting")
     expect(page.locator("#actions button")).to_be_disabled()  # the same tap again would be another one
     assert desk.arrived == []
     healed_s = time.monotonic()
@@ -154,8 +154,8 @@ def test_a_tap_whose_step_is_gone_is_dropped_with_a_sentence(desk, wired):
     desk.show(step=leg(3, 1))
     back(page, wire)
 
-    expect(page.locator("#said")).to_contain_text("“Store now” was not carried out")
-    expect(page.locator("#said")).to_contain_text("B2\u2013T3) is no longer there")
+    expect(page.locator("#said")).to_contain_text("“Store now” was not carried out: the session is no longer")
+    expect(page.locator("#said")).to_contain_text("B2\u2013T3)")
     assert settled(page, desk, 1) == ["pause"]  # it belongs to no step
     expect(page.locator("#names")).to_have_text("B3T1")
 
@@ -167,7 +167,7 @@ def test_a_motion_is_not_confirmed_while_the_connection_is_lost(desk, wired):
     lost(page, wire)
 
     expect(page.locator("#actions button")).to_be_disabled()
-    expect(page.locator("#panel")).to_contain_text("an old confirmation must not move a robot")
+    expect(page.locator("#panel")).to_contain_text("a late confirmation must not move the robot")
     back(page, wire)
     page.wait_for_timeout(500)
 

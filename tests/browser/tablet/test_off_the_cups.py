@@ -10,7 +10,7 @@ OFF = step("move", id="placement-1/away/move", target_deg=[0, 45, -30, 0, 30, 0]
 
 
 @pytest.mark.parametrize(
-    ("language", "said"), [("en", "The arm backs off the cups"), ("fr", "écarte des coupelles")]
+    ("language", "said"), [("en", "The arm backs away from the cups"), ("fr", "écarte des coupelles")]
 )
 def test_a_person_reads_that_the_arm_backs_off_the_cups(chromium, url, desk, language, said):
     desk.show(state="running", step=OFF, suspicion=None, ballbar_attached=False)

@@ -28,7 +28,7 @@ def test_sessions_of_every_kind_are_listed_newest_first(desk, page, url):
 
     rows = page.locator("#sessions li")
     expect(rows).to_have_count(3)
-    expect(rows.nth(0)).to_contain_text("bay 3pausedread at 120 of 431 poses")
+    expect(rows.nth(0)).to_contain_text("bay 3paused120 of 431 poses measured")
     expect(rows.nth(1)).to_contain_text("bay 2running")
     expect(rows.nth(2)).to_contain_text("finished")
     assert page.evaluate("document.documentElement.scrollWidth") == page.viewport_size["width"]
@@ -199,7 +199,7 @@ def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk
     desk.steps = [{**first, **skipped}, {**second, "outcome": "measured", "length_mm": 300.1}]
     desk.show(state="finished", step=None)
 
-    expect(page.locator("#panel h2")).to_have_text("Nothing was left out.")
+    expect(page.locator("#panel h2")).to_have_text("Nothing was skipped.")
 
 
 def test_a_session_that_is_not_there_is_told(desk, chromium, url):

@@ -213,7 +213,7 @@ def test_where_the_base_goes_is_said_in_numbers(desk, tablet):
     expect(rows.nth(0)).to_have_text("B1380\u221215060409")
     expect(rows).to_have_count(3)
     # B1 to B2 goes 260 mm along x and 150 mm along y: 30 degrees.
-    expect(tablet.locator("#panel")).to_contain_text("B1→B2 is turned 30° from x")
+    expect(tablet.locator("#panel")).to_contain_text("B1→B2 points 30° anticlockwise from x")
 
 
 def test_numbers_are_from_the_robot_wherever_it_stands(desk, tablet):
@@ -403,8 +403,8 @@ def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
 
 def test_where_legs_are_too_much_alike_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):
     desk.show(swaps_can_be_seen=False)
-    expect(tablet.locator("#hint")).to_contain_text("Not every swap can be seen")
-    expect(tablet.locator("#hint")).to_contain_text("once more")
+    expect(tablet.locator("#hint")).to_contain_text("too similar to detect a swap")
+    expect(tablet.locator("#hint")).to_contain_text("pre-calibration tests the poses before it again")
 
     desk.show(swaps_can_be_seen=True)
     expect(tablet.locator("#hint")).to_be_hidden()

@@ -14,8 +14,8 @@ def both(chromium, desk, url):
         for page in (ada, grace):
             page.goto(f"{url}/operator/3")
         ada.get_by_role("button", name="Store now").click()
-        expect(ada.locator("#who")).to_contain_text("You act here")
-        expect(grace.locator("#who")).to_contain_text("Ada Byron acts on another tablet")
+        expect(ada.locator("#who")).to_contain_text("You have control")
+        expect(grace.locator("#who")).to_contain_text("Ada Byron has control on another tablet")
         yield ada, grace
 
 
@@ -34,12 +34,12 @@ def test_taking_over_is_one_tap_and_one_confirmation(desk, both):
     ada, grace = both
 
     grace.get_by_role("button", name="Take over").click()
-    expect(grace.locator("#dialogue")).to_contain_text("Ada Byron acts now")
+    expect(grace.locator("#dialogue")).to_contain_text("Ada Byron has control now")
     assert desk.carried_out("hand_over") == []
     grace.locator("#dialogue").get_by_role("button", name="Take over").click()
 
-    expect(grace.locator("#who")).to_contain_text("You act here")
-    expect(ada.locator("#who")).to_contain_text("Grace Hopper acts on another tablet")
+    expect(grace.locator("#who")).to_contain_text("You have control")
+    expect(ada.locator("#who")).to_contain_text("Grace Hopper has control on another tablet")
     expect(ada.get_by_role("button", name="Store now")).to_be_disabled()
     expect(grace.get_by_role("button", name="Store now")).to_be_enabled()
     assert len(desk.carried_out("hand_over")) == 1
@@ -51,7 +51,7 @@ def test_a_takeover_may_be_thought_over(desk, both):
     grace.get_by_role("button", name="Take over").click()
     grace.get_by_role("button", name="Cancel").click()
 
-    expect(grace.locator("#who")).to_contain_text("Ada Byron acts")
+    expect(grace.locator("#who")).to_contain_text("Ada Byron has control")
     assert desk.carried_out("hand_over") == []
 
 

@@ -131,11 +131,13 @@ def test_two_tablets_of_one_session(chromium, session):
             page.goto(f"{url}/operator/{id}")
         ada.locator("body[data-screen=planned]").wait_for()
         Operator(ada).walk(until="measure_side")
-        expect(grace.locator("#who")).to_have_text("Ada Byron acts on another tablet \u00b7 1 watching")
+        expect(grace.locator("#who")).to_have_text(
+            "Ada Byron has control on another tablet \u00b7 1 watching"
+        )
 
         grace.get_by_role("button", name="Take over").click()
         grace.locator("#dialogue").get_by_role("button", name="Take over").click()
-        expect(ada.locator("#who")).to_contain_text("Grace Hopper acts")
+        expect(ada.locator("#who")).to_contain_text("Grace Hopper has control")
         Operator(grace).walk(until="detach")
 
         assert shown(url, id)["acting"]["person"] == "Grace Hopper"
