@@ -48,7 +48,7 @@ def test_a_program_goes_in_and_its_corrected_file_comes_out(service, tablet):
 
     program = {"name": "m.mod", "mimeType": "", "buffer": PROGRAM}
     tablet.get_by_label("Program (RAPID").set_input_files(program)
-    tablet.get_by_role("button", name="Correct it").click()
+    tablet.get_by_role("button", name="Correct the file").click()
     expect(tablet.locator("h1")).to_have_text("Correction of m.mod")
     with tablet.expect_download() as taken:
         tablet.get_by_role("link", name="Download m-corrected.mod").click()
@@ -65,11 +65,11 @@ def test_what_cannot_be_corrected_is_said_at_the_form(service, chromium):
     with chromium.one(service.url) as page, without_complaint(page, service.url, refused):
         page.goto(f"{service.url}/corrections")
         page.get_by_label("Program (RAPID").set_input_files({"name": "m.txt", "mimeType": "", "buffer": b"x"})
-        page.get_by_text("What the file does not say").click()
-        page.get_by_label("Branch of the arm").select_option("back/up/flip")
+        page.get_by_text("Details not in the file").click()
+        page.get_by_label("Arm branch").select_option("back/up/flip")
 
         with page.expect_request("**/corrections?*") as asked:
-            page.get_by_role("button", name="Correct it").click()
+            page.get_by_role("button", name="Correct the file").click()
 
         expect(page.get_by_role("status")).to_contain_text("m.txt: the ending of the name")
         assert asked.value.url.endswith("?branch=back%2Fup%2Fflip")

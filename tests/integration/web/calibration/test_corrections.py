@@ -63,7 +63,7 @@ async def test_a_program_comes_back_with_other_numbers_and_is_on_record(client, 
         {
             "line": 6,
             "what": "MoveL Offs(pNo,0,0,9),v1,fine,tool0",
-            "reason": "its place is computed when the program runs",
+            "reason": "its position is computed at run time",
             "file": None,
         }
     ]
@@ -119,10 +119,10 @@ async def test_numbers_that_would_fit_in_inches_are_not_corrected_unless_they_ar
     meant = await made(client, await send("t.csv", INCHES, frame="base", as_written=True))
 
     assert (job["state"], job["result_id"], nothing) == ("failed", None, [])
-    assert "100% would if x, y and z were in inches" in job["message"]
+    assert "100% would be if x, y and z were in inches" in job["message"]
     assert "set as_written (command line: --as-written)" in job["message"]
     assert (await client.get(meant)).json()["asked"]["as_written"] is True
-    assert "are meant as they stand" in (await client.get(meant.removeprefix("/api/v1"))).text
+    assert "use as written" in (await client.get(meant.removeprefix("/api/v1"))).text
 
 
 BEYOND = (
@@ -280,10 +280,10 @@ async def test_the_page_of_a_correction_says_what_became_of_each_target(client, 
     )
 
     assert page.status_code == 200
-    assert "1 of 1 targets corrected. One place of the program is left alone" in page.text
-    assert "its place is computed when the program runs" in page.text
+    assert "1 of 1 targets corrected. One place in the program was not changed" in page.text
+    assert "its position is computed at run time" in page.text
     assert "sa place est calculée à l" in french.text
-    assert "Shifts of the targets, from above and from the front" in page.text
+    assert "Shifts of the targets, seen from above and from the front" in page.text
     assert {f"/api/v1/corrections/{number}/file", f"/sessions/new?model_id={model_id}#prove"} <= set(
         links(page)
     )
@@ -323,7 +323,7 @@ async def test_of_many_places_left_alone_a_record_tells_the_first_and_counts_all
     page = Page((await client.get(f"/corrections/{record['id']}")).text).text
 
     assert (record["left_alone_count"], len(record["document"]["left_alone"])) == (1201, 500)
-    assert "1,201 places of the program are left alone" in page
+    assert "1,201 places in the program were not changed" in page
     assert "The first 500 of 1,201 are listed." in page
 
 

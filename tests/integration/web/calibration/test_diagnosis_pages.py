@@ -62,7 +62,7 @@ async def test_a_stored_diagnosis_is_shown_as_its_report(client, diagnosed, endi
     assert reply.status_code == 200
     assert reply.headers["content-type"] == "text/html; charset=utf-8"
     assert f'class="message">{answer.message.replace(chr(39), "&#39;")}</p>' in reply.text
-    assert ("Not answered." in reply.text) == (answer.model is None)  # the model is stored apart
+    assert ("No result." in reply.text) == (answer.model is None)  # the model is stored apart
     assert all(finding.sentence in reply.text.replace("&#39;", "'") for finding in answer.findings)
 
 
@@ -160,7 +160,7 @@ async def test_the_list_does_not_call_unexplained_what_was_not_answered(client, 
 
     text = (await client.get("/diagnoses")).text
 
-    assert "Not answered" in text
+    assert "No result" in text
     assert "Unexplained" not in text
 
 
@@ -227,7 +227,7 @@ async def test_readings_of_which_nobody_said_when_are_not_of_the_day_of_their_up
 
     texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}?whole=true")]
 
-    assert all("day not stated" in text for text in texts)
+    assert all("date not stated" in text for text in texts)
     assert not any("measured 20" in text for text in texts)
 
 

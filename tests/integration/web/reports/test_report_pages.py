@@ -72,7 +72,7 @@ async def test_there_is_nothing_before_anything_was_made(client):
     page = await client.get("/reports")
 
     assert page.status_code == 200
-    assert "There is no report yet" in page.text
+    assert "No reports yet" in page.text
 
 
 async def test_reports_are_found_by_robot_words_and_month(client, diagnosed):
@@ -175,15 +175,15 @@ async def test_a_session_passes_or_not_on_its_first_page_and_closing_it_is_a_rev
     closed = (await client.get(f"/reports/session/{number}", params={"limit_mm": 0.2})).text
     older = (await client.get(f"/reports/session/{number}", params={"revision": 1})).text
 
-    assert "NOT PASSED" in judged
-    assert "guard band by ISO 14253-1" in judged
+    assert "FAILED" in judged
+    assert "guard band to ISO 14253-1" in judged
     assert f"{number}, revision 1" in judged
     assert "Not closed yet" in judged
     assert "revision 2" in closed
     assert "Reason given: Checked on the bar." in closed
     assert "Not closed yet" in older
-    assert "Confirmations: 1; after 1 of them the arm moved." in closed
-    assert closed.index("Confirmations") < closed.index("Head of the chain of all records")
+    assert "Confirmations: 1. 1 of them started an arm motion." in closed
+    assert closed.index("Confirmations") < closed.index("Head of the hash chain of all records")
 
 
 async def test_a_session_for_an_identification_has_no_report_of_its_own(client, until):
@@ -205,10 +205,10 @@ async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_h
     )
     after = (await client.get(page)).text
 
-    assert "says no day until which it holds" in before
+    assert "states no expiry date" in before
     assert 'id="close"' in before
     assert 'id="close"' not in after
-    assert "although a certificate did not hold" in after
+    assert "although a certificate was not valid" in after
     assert "Checked." in after
 
 

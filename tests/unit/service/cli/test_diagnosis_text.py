@@ -31,18 +31,20 @@ def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
     assert lines[2] == "1. Joint 3 stops 0.021 deg further on when it comes from below: backlash."
     assert lines[3] == "   Amplitude 0.0210 ± 0.0030 deg; likely, p < 0.0001."
     assert lines[4] == (
-        "   Gain: 0.0420 mm off the RMS of held-out errors (95 % interval 0.0360 to 0.0470 mm)."
+        "   Improvement: 0.0420 mm off the held-out RMS error (95 % interval 0.0360 to 0.0470 mm)."
     )
-    assert lines[5] == "   These data cannot tell it from: joint harmonics, joint 3."
+    assert (
+        lines[5] == "   Alternative explanations that these data cannot rule out: joint harmonics, joint 3."
+    )
 
 
 def test_small_findings_are_told_below_and_not_numbered():
     lines = list(diagnosis_lines(make_diagnosis(small=(make_wave(),))))
 
     at = lines.index(
-        "Small findings, in the model too; each takes less than 2 % off the errors on unseen points:"
+        "Small findings, included in the model; each reduces the held-out RMS error by less than 2 %:"
     )
-    assert lines[at + 1] == "   Joint 6 is off by a wave of 2 periods per turn, 0.029 deg."
+    assert lines[at + 1] == "   Joint 6 has a periodic error of 2 periods per turn, amplitude 0.029 deg."
     assert not [line for line in lines if line.startswith("2. ")]
     assert not [line for line in diagnosis_lines(make_diagnosis()) if "Small" in line]
 
@@ -50,7 +52,7 @@ def test_small_findings_are_told_below_and_not_numbered():
 def test_what_is_left_and_what_to_measure_next_close_it():
     lines = list(diagnosis_lines(make_diagnosis()))
 
-    assert lines[6] == "What is left looks like the stated noise."
+    assert lines[6] == "The residuals are consistent with the stated noise."
     assert lines[-3:] == [
         "Measure next: Measure these from both sides.",
         "   joints 0.00 40.00 -30.00 deg",
@@ -72,10 +74,9 @@ def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
 
     at = next(k for k, line in enumerate(lines) if line.startswith("Described without a name"))
     assert lines[at + 1 : at + 3] == [
-        "   joint 2 over angle of joint 1: missed by 0.120 mm RMS without it; it moves the tool by 0.300 mm "
-        "on average, 0.900 mm at most.",
-        "   nest 2: missed by 0.120 mm RMS without it; it moves the tool by 0.300 mm on average, 0.900 mm at "
-        "most.",
+        "   joint 2 over angle of joint 1: RMS error 0.120 mm without it; tool displacement 0.300 mm on "
+        "average, 0.900 mm at most.",
+        "   nest 2: RMS error 0.120 mm without it; tool displacement 0.300 mm on average, 0.900 mm at most.",
     ]
 
 

@@ -105,7 +105,7 @@ def test_a_notebook_writes_the_same_file(typed, model, tmp_path):
     remarks = tp.export(model, "controller", tmp_path / "called.txt")
 
     assert (tmp_path / "typed.txt").read_text() == (tmp_path / "called.txt").read_text()
-    assert remarks[0].startswith("The nominal robot, base and unknown nests fitted, is ")
+    assert remarks[0].startswith("Over the measured zone, the nominal robot (base and unknown nests ")
 
 
 def test_a_format_that_is_none_is_refused_with_those_that_are(model, tmp_path):

@@ -16,7 +16,7 @@ def warned(expires, today=date(2026, 11, 23)):
 
 def test_it_is_said_thirty_days_before_and_after_the_end():
     assert warned("2026-12-23") == [
-        "The certificate of the laser, serial number 390007 ends on 2026-12-23: 30 days are left."
+        "The certificate of the laser, serial number 390007 expires on 2026-12-23: 30 days are left."
     ]
     assert "expired on 2026-11-22" in warned("2026-11-22")[0]
 

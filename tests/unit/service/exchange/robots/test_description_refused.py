@@ -265,6 +265,6 @@ def test_unknown_keys_are_reported_once_by_name():
 
     assert tuple(map(english, campaign.ignored)) == (
         "campaign.json: key operator is not part of the format and is ignored.",
-        "campaign.json: key brake of dhm_nominal is not part of the format and is ignored.",
-        "campaign.json: role photos of files is not part of the format and is ignored.",
+        "campaign.json: key brake in dhm_nominal is not part of the format and is ignored.",
+        "campaign.json: role photos under files is not part of the format and is ignored.",
     )

@@ -141,9 +141,9 @@ def test_what_a_urdf_cannot_carry_is_listed_in_it_and_in_the_answer(effect):
 def test_of_a_model_that_is_carried_whole_nothing_is_listed(model):
     said = [english(sentence) for sentence in export(model, "urdf").remarks]
 
-    assert said[0] == "The file holds the whole model."
+    assert said[0] == "The file contains the whole model."
     assert not any(line.startswith("Not in the file") for line in said)
-    assert any("Nobody can say" in line for line in said)
+    assert any("is unknown: the model" in line for line in said)
 
 
 def test_what_the_loss_comes_to_is_said_where_the_zone_is_known():

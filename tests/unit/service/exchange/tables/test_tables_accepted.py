@@ -94,7 +94,7 @@ def test_validation_readings_that_identify_as_well_are_reported():
     campaign = campaign_from(lambda name: copied[name].encode())
 
     assert tuple(map(english, campaign.ignored)) == (
-        "validation.csv: 2 of 3 readings stand in calibration.csv as well; these judge nothing.",
+        "validation.csv: 2 of 3 readings are also in calibration.csv; these validate nothing.",
     )
 
 
@@ -116,8 +116,8 @@ def test_a_revisit_of_other_joints_is_reported():
     campaign = read(with_columns("repeat_of", "", "1"))
 
     assert tuple(map(english, campaign.ignored)) == (
-        "calibration.csv: column repeat_of: configuration 2 is no revisit of 1, whose joints differ by 5 deg"
-        " (1 such in all): correct or empty it.",
+        "calibration.csv: column repeat_of: configuration 2 is not a repeat of 1, whose joints differ by 5 deg"
+        " (cases in total: 1): correct the entry or leave it empty.",
     )
 
 
