@@ -40,9 +40,9 @@ def test_small_findings_unfold_at_a_tap_and_on_paper(service, tablet):
 def test_the_map_fits_the_tablet_and_is_told_to_those_who_cannot_see_it(service, tablet):
     tablet.goto(service.diagnosed(service.measured_session("left arm"), described()))
 
-    expect(tablet.get_by_role("img", name="Where something acts")).to_be_visible()
-    tablet.get_by_text("The same as a table").click()
-    expect(tablet.get_by_role("cell", name="described without a name").first).to_be_visible()
+    expect(tablet.get_by_role("img", name="Map of the error sources")).to_be_visible()
+    tablet.get_by_text("As a table").click()
+    expect(tablet.get_by_role("cell", name="modelled empirically").first).to_be_visible()
     assert tablet.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 

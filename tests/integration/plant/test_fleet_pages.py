@@ -49,7 +49,7 @@ def campaigns():
 
 
 async def test_a_plant_without_campaigns_says_so(service):
-    assert "No campaign was collected from any cell yet." in await page(service, "/fleet")
+    assert "No campaigns have been collected from any cell yet." in await page(service, "/fleet")
 
 
 async def test_too_few_robots_are_told_what_is_missing(service):
@@ -59,8 +59,8 @@ async def test_too_few_robots_are_told_what_is_missing(service):
     shown = await page(service, "/fleet")
 
     assert "So far 2 have a campaign" in shown
-    assert "and 0 of them on two days or more." in shown
-    assert "which are not compared: 1." in shown
+    assert "0 of them on two days or more." in shown
+    assert "the day is in the future: 1." in shown
 
 
 async def test_a_day_that_has_not_come_is_not_compared(service):
@@ -75,8 +75,8 @@ async def test_a_day_that_has_not_come_is_not_compared(service):
 
     shown = await page(service, "/fleet")
 
-    assert "and 0 of them on two days or more." in shown
-    assert "which are not compared: 2." in shown
+    assert "0 of them on two days or more." in shown
+    assert "the day is in the future: 2." in shown
 
 
 async def collect(service, campaigns, first=1):
@@ -116,10 +116,10 @@ async def test_robots_are_compared_from_what_was_collected(address, served_plant
         glances.append(await page(service, "/"))
 
     assert "2 robots, 1 instruments and 4 campaigns from 2026-03-02 to 2026-04-02 were compared." in shown
-    assert "Nothing changes beyond chance" in shown
-    assert "would have shown with 95 % from these sizes on" in shown
+    assert "No significant change" in shown
+    assert "would have been detected with 95 % probability from these sizes on" in shown
     assert "Computed on " in shown
-    assert "every reading comes from a simulated cell" in shown
+    assert "All readings come from a simulated cell" in shown
     assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]
     assert found[0][1] == Stated("A-0", "T-9", date(2026, 3, 2))
 
@@ -154,7 +154,7 @@ async def test_workers_that_are_away_keep_nobody_waiting_and_health_says_so(
     assert by_process == [told_here(recorded) for _, _, recorded in campaigns[:3]]
     assert [one.told for one in known] == by_process
     assert "data-drawing" in shown  # by those that are known
-    assert "campaigns are missing which nobody has read yet: 1." in shown
+    assert "some campaigns have not been read yet: 1." in shown
     assert f"No Dask scheduler answers at 127.0.0.1:{unused_tcp_port}." in shown
     assert (healthy["status"], health["status"]) == ("ok", "degraded")
     assert health["fault"].startswith("The workers of this plant cannot be used")
@@ -206,4 +206,4 @@ async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):
 
     assert shown.count("<svg") >= 2
     assert "backlash, joint 4" in shown
-    assert "Mean error of each identification at points that it never saw" in shown
+    assert "Mean error of each identification at held-out points" in shown

@@ -52,7 +52,7 @@ def test_the_document_has_the_columns_of_the_table(points):
 def test_the_sentences_say_what_is_wrong_and_what_is_not(points):
     said = circles(points).stdout
 
-    assert "Joint 1, nest 1: No error is seen" in said
+    assert "Joint 1, nest 1: No significant error" in said
     assert "Joint 2, nest 1: Tangential errors of 0." in said
     assert max(map(len, said.split("Joint 1, nest 1")[0].splitlines())) <= 80
 

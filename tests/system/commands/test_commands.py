@@ -198,12 +198,13 @@ def test_validate_adds_the_figures_of_iso_9283(good, tmp_path):
     test = json.loads(done.stdout)["iso9283"]
     assert (test["poses"], test["cycles"], test["work_space"]["identified"]["n"]) == (5, 30, 10)
     assert [w["reason"] for w in test["withheld"] if w["symbol"] == "RP"] == [
-        "P3 was measured in 29 cycles (cycle 2 is missing); ISO 9283 asks for 30, and none is made up"
+        "P3 was measured in 29 cycles (cycle 2 is missing); ISO 9283 requires 30, "
+        "and missing cycles are not filled in"
     ]
     repeatability = {f["subject"]: f["value"] for f in test["figures"] if f["symbol"] == "RP"}
     # 3.6 standard deviations of a radius of three normal components, known from 30 visits to some 10 %
     assert repeatability == pytest.approx(dict.fromkeys(("P1", "P2", "P4", "P5"), 0.036), rel=0.4)
-    assert test["sentence"].startswith("Five poses do not prove accuracy in a work space")
+    assert test["sentence"].startswith("Five poses do not prove accuracy in a workspace")
     assert "3 kg" in page.read_text()
 
 
@@ -269,7 +270,10 @@ def test_what_cannot_be_predicted_of_a_row_is_said_beside_the_predictions(campai
     )  # fmt: skip
     validated = truepose("validate", tmp_path / "model.json", tmp_path / "points.csv", "--json")
 
-    sentence = "base_drift needs time_s, which 5 of 5 rows lack: it is as after the last reading there"
+    sentence = (
+        "base_drift needs time_s, which 5 of 5 rows lack: "
+        "for these rows it is taken as after the last reading"
+    )
     assert sentence in predicted.stderr
     assert "time_s" in french.stderr
     assert sentence not in french.stderr
@@ -480,7 +484,10 @@ def test_gravity_that_points_upwards_is_said(folder):
 
     document = json.loads(truepose("identify", folder, "--json").stdout)
 
-    assert "came out negative, which no spring is: check the direction of gravity" in document["message"]
+    assert (
+        "came out negative, which is impossible for a spring: check the direction of gravity"
+        in document["message"]
+    )
 
 
 def test_two_exchanged_rows_are_listed(folder):

@@ -53,8 +53,8 @@ def test_the_sentences_say_what_is_wrong_and_what_is_not(folder):
     said = sphere(folder / "test", "--model", folder / "robot.json", run=installed).stdout
 
     assert "Accuracy, best first: robot (RMS" in said
-    assert "robot, about the best centre: no error is seen" in " ".join(said.split())
-    assert "nominal, about the centre that was taught: errors of up to" in " ".join(said.split())
+    assert "robot, about the best-fit centre: no significant error" in " ".join(said.split())
+    assert "nominal, about the taught centre: errors of up to" in " ".join(said.split())
 
 
 def test_the_report_has_a_figure_for_the_ball(folder, tmp_path):
@@ -74,7 +74,7 @@ def test_a_ball_whose_place_stays_open_is_said_with_status_1(tmp_path):
 
     said = " ".join(sphere(tmp_path / "narrow", status=1).stdout.split())
 
-    assert "the stops lie near one plane or one line" in said
+    assert "the configurations lie near one plane or one line" in said
 
 
 def test_lengths_in_another_unit_are_refused_with_status_2(campaign, tmp_path):

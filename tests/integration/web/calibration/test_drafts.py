@@ -249,7 +249,7 @@ async def test_the_example_says_that_it_is_simulated(client):
 
     assert understood["ready"]
     assert understood["simulated"]
-    assert "No robot and no instrument took part" in page.text
+    assert "No real robot or instrument was used" in page.text
 
 
 @pytest.mark.parametrize("address", ["/bring/99", "/bring/nothing", "/bring/-1"])

@@ -46,7 +46,7 @@ async def test_a_cause_that_grew_is_the_first_thing_on_the_page(client, diagnose
 
     assert answer.status_code == 200
     page = answer.text
-    assert "One cause is larger than before, beyond chance" in page
+    assert "One cause is significantly larger than before" in page
     assert "Backlash, joint 3 grew by" in page
     assert page.index("grew by") < page.index("<h2>")
 
@@ -57,8 +57,8 @@ async def test_a_robot_that_did_not_change_says_so(client, diagnosed):
 
     page = (await client.get(f"/robots/{_ROBOT}?whole=true")).text
 
-    assert "No cause grew beyond chance: 2 measurements in 7 months." in page
-    assert "Nothing says that the robot changed" in page
+    assert "No cause grew significantly: 2 measurements in 7 months." in page
+    assert "No evidence that the robot changed" in page
     assert "20" in page and "°C" in page
 
 

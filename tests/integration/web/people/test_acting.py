@@ -137,7 +137,7 @@ async def test_from_whom_the_authority_was_taken_stands_on_reports(house, ada, s
 
     taken = [one for one in events if leading_key(one.what) == "event.taken_over"]
     assert [(one.person, IN_ENGLISH.spoken(one.what)) for one in taken] == [
-        ("Ada Byron", "Took the authority over the session from Alan Turing.")
+        ("Ada Byron", "Took control of the session from Alan Turing.")
     ]
 
 

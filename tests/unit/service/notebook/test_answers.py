@@ -133,8 +133,8 @@ def test_a_plot_is_a_figure_of_matplotlib_that_may_be_changed(answers, name, tmp
 @pytest.mark.parametrize(
     ("what", "axis"),
     [
-        ("distances", "seen minus predicted distance [mm]"),
-        ("places", "distance from the middle of the zone [mm]"),
+        ("distances", "measured minus predicted distance [mm]"),
+        ("places", "distance from the centre of the zone [mm]"),
     ],
 )
 def test_a_validation_draws_distances_and_places(model, what, axis):

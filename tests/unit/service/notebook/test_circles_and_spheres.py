@@ -80,7 +80,7 @@ def test_a_circle_test_tells_every_stop(circles):
     assert len(table) == len(_ANGLES)
     assert table["angle_deg"].to_numpy() == pytest.approx(np.asarray(_ANGLES, dtype=float), abs=1e-6)
     assert circles.document["circles"][0]["joint"] == 2
-    assert "Joint 2, nest 1: No error is seen" in circles._repr_html_()
+    assert "Joint 2, nest 1: No significant error" in circles._repr_html_()
 
 
 def test_a_circle_test_takes_the_robot_of_a_model(folder, circles):

@@ -30,7 +30,7 @@ def page_of(*statuses):
 def test_a_whole_correction_says_so_with_its_largest_uncertainty_and_both_files():
     page = page_of("ok", "ok")
 
-    for said in ("EVERY TARGET IS CORRECTED", "0.017 mm", "a" * 64, "b" * 64, "weld.mod"):
+    for said in ("ALL TARGETS CORRECTED", "0.017 mm", "a" * 64, "b" * 64, "weld.mod"):
         assert said in page.text
     assert "figure" in page.tags
 
@@ -39,5 +39,5 @@ def test_a_whole_correction_says_so_with_its_largest_uncertainty_and_both_files(
 def test_what_was_not_corrected_is_said_first(statuses):
     page = page_of(*statuses)
 
-    assert "NOT EVERYTHING IS CORRECTED" in page.text
+    assert "NOT FULLY CORRECTED" in page.text
     assert ("figure" in page.tags) == ("ok" in statuses)

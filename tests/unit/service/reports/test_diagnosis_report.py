@@ -69,9 +69,9 @@ def test_the_map_stands_above_the_findings_with_a_table_for_those_who_cannot_see
     html = pages["described"]
 
     shown = html[html.index('id="map"') : html.index('id="findings"')]
-    assert 'aria-label="Where something acts' in shown
+    assert 'aria-label="Map of the error sources' in shown
     assert "<th>Joint 9</th><td>angle of joint 10</td>" in shown
-    assert shown.count("<td>described without a name</td>") == 9
+    assert shown.count("<td>modelled empirically</td>") == 9
     assert "a dotted line" not in shown.lower()
     assert 'id="map"' not in pages["consistent"]
 
@@ -79,7 +79,7 @@ def test_the_map_stands_above_the_findings_with_a_table_for_those_who_cannot_see
 def test_a_model_that_only_describes_is_not_called_the_start_model():
     page = page_of(make_diagnosis(findings=(), remaining=make_rest(make_described())))
 
-    assert "with what is described" in page.text
+    assert "with empirical terms" in page.text
     assert "nothing was added" not in page.text
     assert "the same model" not in page.text
 
@@ -87,9 +87,9 @@ def test_a_model_that_only_describes_is_not_called_the_start_model():
 def test_several_waves_are_a_picture_and_a_row_each(pages):
     html = pages["several waves"]
 
-    assert 'aria-label="Amplitude of each wave against its order"' in html
+    assert 'aria-label="Amplitude of each harmonic against its order"' in html
     assert "<th>Order 2</th><td>amplitude 0.0290 ± 0.0020 deg " in html
-    assert "Amplitude of each wave" not in pages["explained"]
+    assert "Amplitude of each harmonic" not in pages["explained"]
     assert "<th>Order</th><td>2 " in pages["explained"]
 
 
@@ -116,10 +116,10 @@ def test_what_is_described_without_a_name_stands_under_what_is_left(pages):
     html = pages["described"]
 
     left = html[html.index('id="left"') : html.index('id="ruled-out"')]
-    assert "Described without a name" in left
+    assert "Modelled empirically" in left
     assert left.count("over angle of joint") == 8 + 3  # a row each, and the largest in the sentence
-    assert "And 1 smaller." in left
-    assert "Described without a name" not in pages["partly explained"]
+    assert "And 1 smaller ones." in left
+    assert "Modelled empirically" not in pages["partly explained"]
 
 
 @pytest.mark.parametrize("name", ENDINGS)
@@ -138,7 +138,7 @@ def test_the_first_sentence_after_the_title_is_the_message(pages, name):
         ("explained", "Explained.", "explained"),
         ("partly explained", "Partly explained.", "partly_explained"),
         ("unexplained", "Unexplained.", "unexplained"),
-        ("nothing fitted", "Not answered.", "not_answered"),
+        ("nothing fitted", "No result.", "not_answered"),
     ],
 )
 def test_a_verdict_is_a_word_and_a_shape_and_a_colour(pages, ending, word, look):
@@ -157,7 +157,7 @@ def test_shapes_of_verdicts_differ(pages):
 def test_without_a_model_nothing_is_claimed(pages):
     text = Page(pages["nothing fitted"]).text
 
-    for claim in ("What is left", "could have been seen", "How it was done", "no known cause"):
+    for claim in ("Residuals", "could have shown", "Method", "no known cause"):
         assert claim not in text
 
 
@@ -166,8 +166,8 @@ def test_a_finding_states_its_numbers_with_uncertainty_and_unit():
 
     assert "Amplitude ± standard uncertainty 0.0293 ± 0.0019 deg amplitude of the wave: half of peak" in text
     assert "95 % interval of the amplitude 0.0256 to 0.0330 deg" in text  # 0.0293 -+ 1.96 * 0.0019
-    assert "Held-out gain 0.0223 mm (95 % interval 0.0171 to 0.0282 mm)" in text
-    assert "off the RMS of the held-out errors" in text
+    assert "Improvement, held out 0.0223 mm (95 % interval 0.0171 to 0.0282 mm)" in text
+    assert "reduction of the RMS held-out error" in text
     assert "p value < 0.0001" in text
     assert "Order 2 Phase 41.2 ± 3.7 deg" in text
 
@@ -192,49 +192,51 @@ def test_an_unknown_uncertainty_is_not_printed_as_zero():
 def test_a_certain_finding_says_what_that_word_stands_on():
     text = page_of(plain()).text
 
-    assert "Certain : no rival explains these data nearly as well" in text
-    assert "the 95 % interval of the gain lies above 0." in text
+    assert "Certain : no alternative explanation fits these data nearly as well" in text
+    assert "the 95 % interval of the improvement lies above 0." in text
 
 
 def test_a_likely_finding_says_what_it_lacks():
     text = page_of(plain(findings=(make_gain_finding(curve=None),))).text
 
     assert (
-        "these data cannot tell it from joint harmonics, joint 2; the 95 % interval of the gain reaches 0"
-        in text
+        "these data cannot distinguish it from joint harmonics, joint 2; "
+        "the 95 % interval of the improvement includes 0" in text
     )
 
 
 def test_a_gain_that_nothing_can_show_is_said():
     text = page_of(plain(findings=(make_finding(curve=None, gain=None),))).text
 
-    assert "Held-out gain not known nothing held out can show it" in text
-    assert "the 95 % interval of the gain" not in text
+    assert "Improvement, held out not known no held-out readings can show it" in text
+    assert "the 95 % interval of the improvement" not in text
 
 
 def test_rivals_stand_with_what_would_tell_them_apart(pages):
     text = Page(pages["two findings"]).text
 
     assert (
-        "Yes. These data cannot tell it from: joint harmonics, joint 2. What would tell: Turn joint 2" in text
+        "Yes. These data cannot distinguish it from: joint harmonics, joint 2. "
+        "To distinguish it: Turn joint 2" in text
     )
 
 
 def test_a_rival_without_a_proposal_says_so():
     text = page_of(plain(findings=(make_gain_finding(curve=None),))).text
 
-    assert "No measurement is proposed that would tell them apart." in text
+    assert "No measurement that would distinguish them is proposed." in text
 
 
 def test_a_similar_cause_that_cannot_be_seen_is_not_called_excluded():
     text = page_of(plain()).text
 
-    assert "No cause that these data can show. But a similar one cannot be seen in them at all:" in text
+    assert "Not a cause that these data can show. However, these data cannot show the following " in text
+    assert "the following similar causes at all:" in text
     assert "backlash: all configurations were approached from the same side" in text
 
 
 def test_before_and_after_say_what_they_are_judged_on(pages):
-    assert "On 300 held-out positions: neither the choice" in Page(pages["explained"]).text
+    assert "On 300 held-out positions, used neither to choose the model" in Page(pages["explained"]).text
     crossed = page_of(plain(held_out="cross_validation")).text
     assert "Before and after" not in crossed  # without statistics there is nothing to judge
 
@@ -242,7 +244,7 @@ def test_before_and_after_say_what_they_are_judged_on(pages):
 def test_cross_validation_is_not_sold_as_held_out_readings(pages):
     text = Page(pages["cross-validated"]).text
 
-    assert "There is no validation file. By nested cross-validation on 50 positions" in text
+    assert "There is no validation file. Nested cross-validation on 50 positions" in text
 
 
 def test_lengths_are_reported_as_lengths(pages):
@@ -250,7 +252,7 @@ def test_lengths_are_reported_as_lengths(pages):
 
     assert "On 180 held-out lengths" in text
     assert "Absolute length errors [mm]" in text
-    assert "open ones shorter" in text
+    assert "open dots shorter" in text
 
 
 def test_what_is_left_shows_what_it_depends_on(pages):
@@ -265,7 +267,7 @@ def test_what_is_left_shows_what_it_depends_on(pages):
 def test_heavy_tails_are_called_noise(pages):
     text = Page(pages["unexplained"]).text
 
-    assert "as Student's t with 4.2 degrees of freedom" in text
+    assert "heavier than normal: Student's t with 4.2 degrees of freedom" in text
 
 
 def test_what_was_tried_and_what_cannot_be_seen_stand_apart():
@@ -299,7 +301,7 @@ def test_a_parameter_that_the_model_does_not_hold_is_left_out():
 
     text = page_of(plain(findings=(finding,))).text
 
-    assert "It is the start model: nothing was added." in text
+    assert "This is the start model: nothing was added." in text
 
 
 def test_a_simulated_diagnosis_says_so_before_anything_else(tmp_path):
@@ -353,7 +355,7 @@ def test_ten_thousand_readings_make_no_heavy_page():
 
     # 400 dots with whiskers and 250 arrows four times, some 150 bytes each, and the words
     assert len(html) < 400_000
-    assert "400 of 10,000 readings, evenly chosen" in html
+    assert "400 of 10,000 readings, evenly selected" in html
 
 
 @pytest.mark.usefixtures("empty_pictures")
@@ -367,8 +369,8 @@ def test_readings_that_are_no_numbers_are_left_out_of_the_pictures():
 
     text = page_of(make_diagnosis(findings=findings, errors=errors)).text
 
-    assert "Dots: 50 readings" in text
-    assert "There is no picture of it" in text
+    assert ", 50 readings" in text
+    assert "No plot: the readings do not show this cause" in text
 
 
 def test_the_same_diagnosis_gives_the_same_page(pages):

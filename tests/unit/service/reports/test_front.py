@@ -42,7 +42,7 @@ def front(**changes):
     ("verdict", "word", "look"),
     [
         ("conforms", "PASSED", "consistent"),
-        ("does not conform", "NOT PASSED", "failed"),
+        ("does not conform", "FAILED", "failed"),
         ("cannot be decided", "CANNOT BE DECIDED", "not_answered"),
     ],
 )
@@ -63,14 +63,14 @@ def test_without_a_limit_nothing_passes():
     made = front(limit_mm=None, decision=None)
 
     assert "PASSED" not in made.word
-    assert made.word == "AS THE MODEL CLAIMS"
+    assert made.word == "AS PREDICTED"
     assert "No limit was stated" in made.rule
 
 
 def test_the_rule_is_said_as_it_was_applied():
     simple = front(decision=replace(FOUND.decision, rule="simple"))
 
-    assert "guard band by ISO 14253-1" in front().rule
+    assert "guard band to ISO 14253-1" in front().rule
     assert "simple acceptance" in simple.rule
 
 

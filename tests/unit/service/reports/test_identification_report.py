@@ -41,14 +41,14 @@ def test_a_plain_campaign_gives_a_complete_report(plain_report):
 
     for heading in (
         "Errors before and after",
-        "How much of the measured error is the instrument's own",
-        "Where the errors point",
-        "Residual against each joint",
+        "Contribution of the instrument to the measured error",
+        "Directions of the errors",
+        "Residuals against joint angles",
         "Uncertainty of the headline figures",
         "Outliers",
         "Repeatability and lack of fit",
         "Parameters",
-        "What these data do not tell apart",
+        "Not determined by these data",
         "Conditions",
         "Method",
     ):
@@ -140,7 +140,7 @@ def test_stated_conditions_stand_in_the_report(tmp_path, campaign):
     text = Page(report_of(tmp_path, UNFITTED, campaign, conditions=conditions)).text
 
     assert "laser tracker Leica AT960 750123 3.2 No. 2031, 2026-03-01" in text
-    assert "Settling before a reading 4 s" in text
+    assert "Settling time before a reading 4 s" in text
     assert "certified over measured length is 1 + 2e-06, u = 1.5e-06" in text
     assert "Session calibration 09:00 to 10:10" in text
 
@@ -163,9 +163,9 @@ def test_without_held_out_readings_the_report_warns_that_its_pictures_flatter(
 
     text = Page(report_of(tmp_path, identification, campaign_without_validation)).text
 
-    assert "the pictures show the readings that the model was made from, and flatter it" in text
+    assert "The plots show the readings used to identify the model, so it looks better than it is" in text
     assert "Cross-validation" in text
-    assert "each predicted by a model that never saw its configuration" in text
+    assert "each predicted by a model fitted without its configuration" in text
 
 
 def test_an_identification_without_a_model_says_why_and_shows_no_picture(tmp_path, campaign):
@@ -184,7 +184,7 @@ def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path,
 
     text = Page(report_of(tmp_path, identify(gross, ("base", "geometry")), gross)).text
 
-    assert "Calibration, without outliers without the 1 given no weight" in text
+    assert "Calibration, without outliers without the 1 given zero weight" in text
     assert "no reading is deleted" in text
     # Row, configuration, nest and a residual of 5 mm but for noise (0.01 mm) and what the others pull (less).
     assert re.search(r"\b8 8 1 (4\.9[5-9]|5\.0[0-5])\d* off by", text)
@@ -193,8 +193,8 @@ def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path,
 @pytest.mark.parametrize(
     ("p_value", "said"),
     [
-        (0.4, "explains the readings as well as they repeat"),
-        (1e-9, "p < 0.0001: beyond repeatability the model lacks"),
+        (0.4, "explains the readings to within their repeatability"),
+        (1e-9, "p < 0.0001: the model does not explain the readings to within"),
     ],
 )
 def test_revisits_tell_repeatability_and_lack_of_fit(tmp_path, campaign, p_value, said):
@@ -202,7 +202,7 @@ def test_revisits_tell_repeatability_and_lack_of_fit(tmp_path, campaign, p_value
 
     text = Page(report_of(tmp_path, replace(UNFITTED, pure_error=pure), campaign)).text
 
-    assert "12 readings of configurations visited before (36 degrees of freedom)" in text
+    assert "12 readings of configurations measured before (36 degrees of freedom)" in text
     assert "0.0123 mm standard deviation per axis" in text
     assert said in text
 
@@ -230,9 +230,9 @@ def test_lengths_are_reported_as_lengths(tmp_path, campaign):
     text = Page(report_of(tmp_path, identify(ballbar, ("geometry",)), ballbar)).text
 
     assert "Mean length error " in text
-    assert "Judged on 60 held-out lengths" in text
+    assert "Assessed on 60 held-out lengths" in text
     assert "Absolute length errors [mm]" in text
-    assert "drawn along their legs" in text
+    assert "drawn along the ballbar" in text
     assert "lengths need no world frame" in text
 
 
@@ -274,10 +274,10 @@ def test_captions_name_the_lines_that_are_drawn_and_no_others(
 
 
 def test_marks_of_parameters_are_explained_where_they_stand_and_nowhere_else(plain_report):
-    rows = plain_report.split("What it is</th>")[1]
+    rows = plain_report.split("Description</th>")[1]
 
-    for mark in ("prior", "together"):
-        explained = f'<span class="mark warn">{mark}</span> ' in plain_report.split("What it is</th>")[0]
+    for mark in ("prior", "combined"):
+        explained = f'<span class="mark warn">{mark}</span> ' in plain_report.split("Description</th>")[0]
         assert explained is (f'<span class="mark warn">{mark}</span></th>' in rows)
 
 

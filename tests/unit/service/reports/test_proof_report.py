@@ -53,14 +53,14 @@ def shown(found, words=IN_ENGLISH, **more):
 @pytest.mark.parametrize(
     ("found", "look", "begins"),
     [
-        (proof(), "consistent", "The correction is proved: on 12 targets the mean error falls from 0.600 mm"),
+        (proof(), "consistent", "The correction is verified. On 12 targets the mean error falls from 0.600"),
         (
             proof(promised_mm=0.01),
             "partly_explained",
-            "The correction helps, but leaves more than was promised",
+            "The correction helps, but less than predicted",
         ),
-        (proof(gain=1.1, interval=(0.9, 1.3)), "unexplained", "The correction is not proved"),
-        (proof(gain=0.5, interval=(0.4, 0.6)), "unexplained", "The correction makes it worse"),
+        (proof(gain=1.1, interval=(0.9, 1.3)), "unexplained", "The correction is not verified"),
+        (proof(gain=0.5, interval=(0.4, 0.6)), "unexplained", "The correction increases the error"),
     ],
 )
 def test_the_verdict_is_one_sentence_with_the_gain_and_its_interval(found, look, begins):
@@ -99,8 +99,8 @@ def test_what_speaks_against_the_correction_is_said_before_any_figure():
 
     assert (
         text.index("made from readings of robot 120-2")
-        < text.index("corrects it already")
-        < text.index("Gain")
+        < text.index("corrects the robot already")
+        < text.index("Improvement")
     )
     assert "Warning:" not in Page(shown(proof())).text
 

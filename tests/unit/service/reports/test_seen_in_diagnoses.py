@@ -52,8 +52,8 @@ def curve(n, planted, *, unseen=None, seed=3):
 def test_readings_on_the_line_are_told_with_what_it_takes_off():
     text = english(curve_sentence(curve(200, 1.0), IN_ENGLISH))
 
-    assert "it goes 0.0600 deg from lowest to highest" in text
-    assert int(text.split("takes ")[1].split(" %")[0]) == pytest.approx(82, abs=4)  # 4.5 / 5.5
+    assert "It spans 0.0600 deg from lowest to highest" in text
+    assert int(text.split("explains ")[1].split(" %")[0]) == pytest.approx(82, abs=4)  # 4.5 / 5.5
 
 
 def test_noise_beside_the_line_is_nothing():
@@ -75,7 +75,8 @@ def test_of_waves_the_largest_beyond_its_uncertainty_is_told():
     orders, u = np.array([1.0, 2.0, 3.0]), np.full(3, 0.001)
 
     assert english(spectrum_sentence(Spectrum(orders, np.array([0.004, 0.02, 0.0]), u))) == (
-        "The largest wave is 2 per turn, 0.0200 deg; others beyond their uncertainty: 1."
+        "The largest harmonic has order 2 per turn, 0.0200 deg. "
+        "Others larger than three times their standard uncertainty: 1."
     )
     assert leading_key(spectrum_sentence(Spectrum(orders, u, u))) == "seen.spectrum.nothing"
 
@@ -89,8 +90,8 @@ def test_the_map_says_where_most_acts_and_nothing_of_rivals_alone():
 
     told = english(map_sentence(CauseMap((), (), cells, ())))
 
-    assert told.startswith("Most of it, 80 % of the mean square, acts at joint 6, over ")
-    assert told.endswith("told: 1.")
+    assert told.startswith("Largest share: joint 6, over ")
+    assert told.endswith(", 80 % of the mean square. Other locations with an explanation: 1.")
     assert leading_key(map_sentence(CauseMap((), (), cells[2:], ()))) == "seen.map.nothing"
 
 
@@ -99,9 +100,9 @@ def test_the_gain_that_is_not_proved_is_counted():
     sure = replace(first, gain=Gain(0.10, 0.06, (0.03, 0.05)))
     unsure = replace(second, gain=Gain(0.07, 0.06, (-0.01, 0.03)))
 
-    assert "0.0400 mm off" in english(gains_sentence([sure, unsure], IN_ENGLISH))
+    assert "reduces the held-out RMS by 0.0400 mm." in english(gains_sentence([sure, unsure], IN_ENGLISH))
     assert english(gains_sentence([sure, unsure], IN_ENGLISH)).endswith("not proved: 1.")
-    assert english(gains_sentence([sure], IN_ENGLISH)).endswith("lies above 0.")
+    assert english(gains_sentence([sure], IN_ENGLISH)).endswith("lie above 0.")
     assert gains_sentence([replace(first, gain=None)], IN_ENGLISH) == ""
 
 
@@ -138,7 +139,7 @@ def parameters(*times):
 def test_the_worst_known_parameter_is_named():
     told = english(observability_sentence(determined_parameters(parameters(100.0, 20.0, 50.0))))
 
-    assert "Each of the 3 parameters" in told
+    assert "each of the 3 parameters" in told
     assert "a_2, is known 20 times better" in told
 
 
@@ -148,8 +149,8 @@ def test_parameters_that_an_assumption_holds_are_counted_and_combinations_too():
     told = english(observability_sentence(found, [NotIdentifiable(("d_2", "d_3"), "")]))
 
     assert "2 of 3 parameters" in told
-    assert "a_3 is known worst: its uncertainty is still 100 %" in told
-    assert told.endswith("apart at all: 1.")
+    assert "The worst is a_3: its uncertainty is still 100 %" in told
+    assert told.endswith("distinguish at all: 1.")
 
 
 def test_of_what_nobody_assumed_nothing_is_said_to_be_determined():

@@ -63,9 +63,9 @@ def test_the_report_says_verdict_places_and_distances(tmp_path, points):
     page, text = written(tmp_path, points)
 
     assert text.startswith("Validation of ABB IRB 120")
-    assert "in keeping with what it claims" in text
-    assert re.search(r"Seen minus predicted distance, of all 14,196 pairs", text)
-    assert "The readings that the model was made from lie within" in text
+    assert "consistent with the predicted accuracy" in text
+    assert re.search(r"Measured minus predicted distance, all 14,196 pairs", text)
+    assert "The calibration readings lie within" in text
     assert "front/up" in text
     assert page.count("<svg") == 5  # verdict and bars of the first page, and three figures
     assert "ISO 9283" not in text
@@ -82,7 +82,7 @@ def test_the_report_of_a_test_has_figures_conditions_and_what_they_do_not_prove(
 
     _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points), conditions=conditions)
 
-    assert "Five poses do not prove accuracy in a work space" in text
+    assert "Five poses do not prove accuracy in a workspace" in text
     assert "over 20 readings in other configurations its error is 0.05" in text
     assert "AP of P3: P3 was measured in 29 cycles (cycle 3 is missing)" in text
     for stated in ("2.6 kg", "an hour", "500 mm/s", "T-1", "5 poses, 30 cycles", "20.0 to 22.5", "7.2.2"):
@@ -103,9 +103,9 @@ def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_pr
 
     first = text[: text.index("Errors before and after")]
     assert text.startswith("ISO 9283 test of ABB IRB 120")
-    assert "AP, the worst pose 0.05" in first
-    assert re.search(r"Largest error in the work space 0\.05\d\d? mm at 20 other configurations", first)
-    assert "RP, the worst pose" in first
+    assert "AP, worst pose 0.05" in first
+    assert re.search(r"Largest error in the workspace 0\.05\d\d? mm at 20 other configurations", first)
+    assert "RP, worst pose" in first
     assert re.search(r"Commanded poses \[mm\] P1 \(\d+ -?\d+ \d+\), P2", text)
     for hash in ("5e" * 32, "0d" * 32, "d0" * 32):
         assert hash in text
@@ -115,8 +115,8 @@ def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_pr
 def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
     text = content(points, pose_test=replace(pose_test(_MODEL, points), work_space=None))
 
-    assert "as the model claims; no other configuration was measured" in text
-    assert "Largest error in the work space" not in text
+    assert "predicted by the model; no other configuration was measured" in text
+    assert "Largest error in the workspace" not in text
 
 
 @PAINTED_ELSEWHERE
@@ -203,7 +203,7 @@ def test_the_terminal_says_the_same(points, capsys):
     console.print(pose_test_summary(pose_test(_MODEL, points)))
 
     text = " ".join(capsys.readouterr().out.split())
-    assert "By simple acceptance it conforms; the uncertainty is not counted." in text
+    assert "Simple acceptance: it conforms. The uncertainty is not taken into account." in text
     assert "Withheld: AP of P3: P3 was measured in 29 cycles" in text
     assert "Five poses do not prove accuracy" in text
 
@@ -214,8 +214,8 @@ def test_the_conditions_name_the_cube_and_the_share_of_the_rated_speed(tmp_path,
 
     _, text = written(tmp_path, points, pose_test=test, conditions=ReportConditions(speed_percent=50.0))
 
-    assert "Cube of the poses edge 150 mm, centre (300 0 250) in the frame of the readings" in text
-    assert "Share of rated speed 50 %" in text
+    assert "Test cube edge 150 mm, centre (300 0 250) in the measurement frame" in text
+    assert "Fraction of rated speed 50 %" in text
     assert "Drift from cold" not in text
 
 
@@ -238,7 +238,7 @@ def warming(hours):
 
 @pytest.mark.parametrize(
     ("hours", "said", "withheld"),
-    [(4, "is less than a tenth of that over the first", False), (1, "the robot may drift further", True)],
+    [(4, "is below a tenth of that over the first", False), (1, "The robot may drift further", True)],
 )
 def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said, withheld):
     seen = warming(hours)
@@ -246,10 +246,10 @@ def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said
 
     page, text = written(tmp_path, seen, pose_test=test)
 
-    assert "way of the barycentre" in page
-    assert re.search(r"The mean position went 0\.(099|100|101)\d* mm \(u 0\.000\d+ mm\)", text)
+    assert "displacement of the barycentre" in page
+    assert re.search(r"The mean position moved by up to 0\.(099|100|101)\d* mm \(u 0\.000\d+ mm\)", text)
     assert said in text
-    assert ("ISO 9283 asks for 8 h of work from cold" in text) == withheld
+    assert ("ISO 9283 requires 8 h of work from cold" in text) == withheld
     assert f"one pose, {20 * hours + 10} visits in {2 * hours + 1} groups" in text
     document = pose_test_document(test)["drift"]
     assert (len(document["curve"]), document["settled"]) == (2 * hours + 1, not withheld)
@@ -285,5 +285,5 @@ def test_the_budget_of_the_decision_is_printed(tmp_path, points):
 
     text = Page(path.read_text(encoding="utf-8")).text
 
-    assert "Uncertainty behind the decision" in text
+    assert "Uncertainty budget of the decision" in text
     assert uncertainty(budget.guard_mm) in text

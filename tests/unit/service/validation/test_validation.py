@@ -172,5 +172,5 @@ def test_a_model_whose_file_states_no_uncertainty_keeps_no_claim_but_a_limit():
 
     without, within = validate(unknown, readings()), validate(unknown, readings(), limit_mm=2.0)
 
-    assert "give a limit" in english(verdict_sentence(without))
+    assert "set a limit" in english(verdict_sentence(without))
     assert (without.passed, within.passed, within.decision.verdict) == (False, True, "conforms")

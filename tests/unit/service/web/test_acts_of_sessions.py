@@ -43,7 +43,7 @@ def test_a_configuration_that_was_left_out_has_who_and_why():
     (event,) = told(line(EntryKind.SKIPPED, "stop-4", key="k", text="The beam is in the way."))
 
     assert event == (
-        "2026-11-01 09:01 UTC", "Ada", "Left out: configuration 4. Reason: The beam is in the way."
+        "2026-11-01 09:01 UTC", "Ada", "Skipped: configuration 4. Reason: The beam is in the way."
     )  # fmt: skip
 
 
@@ -62,8 +62,8 @@ def test_confirmations_are_counted_by_person_and_motions_among_them():
 
     span = "2026-11-01 09:01 UTC to 2026-11-01 09:03 UTC"
     assert events == [
-        (span, "Ada", "Confirmations: 3; after 2 of them the arm moved."),
-        ("2026-11-01 09:04 UTC", "Alan", "Confirmations: 1; after 1 of them the arm moved."),
+        (span, "Ada", "Confirmations: 3. 2 of them started an arm motion."),
+        ("2026-11-01 09:04 UTC", "Alan", "Confirmations: 1. 1 of them started an arm motion."),
     ]
 
 
@@ -75,7 +75,7 @@ def test_the_word_that_the_cell_is_clear_counts_and_the_same_question_stands_onc
 
     assert [event[2] for event in events] == [
         "Session 7: awaiting a person's confirmation. Is the cell clear?",
-        "Confirmations: 2; after 2 of them the arm moved.",
+        "Confirmations: 2. 2 of them started an arm motion.",
     ]
 
 
@@ -88,9 +88,9 @@ def test_doubts_are_told_by_what_was_said_to_them():
     )
 
     assert [event[2] for event in events] == [
-        "A reading was doubted and read again: configuration 12 B2 to T3.",
-        "A reading was doubted and kept as asked for: configuration 12 B2 to T3.",
-        "Lengths stored by hand: 1.",
+        "Suspect reading repeated: configuration 12 B2 to T3.",
+        "Suspect reading kept on request: configuration 12 B2 to T3.",
+        "Lengths stored manually: 1.",
     ]
 
 
@@ -104,9 +104,9 @@ def test_another_instrument_another_tablet_and_a_lost_zero_are_told():
     )
 
     assert [event[1:] for event in events] == [
-        ("Alan", "Accepted another instrument: ballbar, serial number 77."),
-        ("Ada", "Acts at another tablet from now on: at the door."),
-        ("", "The ballbar was without supply; its zero was read anew after it."),
+        ("Alan", "Accepted a different instrument: ballbar, serial number 77."),
+        ("Ada", "Moved to another tablet: at the door."),
+        ("", "The ballbar lost power. Its zero was measured again afterwards."),
     ]
 
 
@@ -121,7 +121,7 @@ def test_who_took_the_authority_and_who_added_stand_in_the_order_of_time():
     )
 
     assert [event[1:] for event in events] == [
-        ("Ada", "Taken back, to be done again: configuration 4. It was knocked."),
+        ("Ada", "Reopened, to be repeated: configuration 4. It was knocked."),
         ("Alan", "Configurations added to the plan: 2."),
-        ("Grace", "Took the authority over the session from Ada."),
+        ("Grace", "Took control of the session from Ada."),
     ]

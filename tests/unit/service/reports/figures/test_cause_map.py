@@ -112,14 +112,14 @@ def test_the_picture_says_shares_and_numbers_in_words():
         "".join(text.itertext()).strip() for text in ElementTree.fromstring(svg).iter() if "text" in text.tag
     }
     assert {"(1) 100 %", "< 1 %", "joint 1", "joint 4", "angle of joint 2", "load"} <= texts
-    assert {"described without a name", "where a rival would act"} <= texts
+    assert {"modelled empirically", "where an alternative would act"} <= texts
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", svg)
 
 
 def test_a_legend_names_only_what_is_drawn():
     svg = map_picture(mapped(wave(2, 0.3), wave(3, 0.3)))
 
-    assert "finding and its number" in svg
+    assert "finding, with its number" in svg
     assert "rival" not in svg
     assert "described" not in svg
 

@@ -57,7 +57,7 @@ def test_a_long_name_is_broken_and_keeps_its_unit():
 
 def test_few_readings_are_seen_by_themselves():
     assert "weighted means" not in drawn(make_curve(n=59)).caption
-    assert "weighted means of up to 5 neighbours" in drawn(make_curve(n=100)).caption
+    assert "weighted means of up to 5 neighbouring readings" in drawn(make_curve(n=100)).caption
 
 
 def test_readings_that_hardly_feel_the_cause_do_not_flatten_the_others():
@@ -69,8 +69,8 @@ def test_readings_that_hardly_feel_the_cause_do_not_flatten_the_others():
     # The picture is as high as the wave of 0.03 deg and its noise: its ticks stay in hundredths.
     assert "0.02" in figure.picture
     assert "1e14" not in figure.picture
-    assert "Dots: 97 readings" in figure.caption
-    assert "3 more hardly feel it" in figure.caption
+    assert ", 97 readings" in figure.caption
+    assert "3 further readings are hardly sensitive to it" in figure.caption
 
 
 def test_a_line_without_a_band_claims_none():
@@ -101,7 +101,7 @@ def test_a_far_reading_is_said_and_does_not_flatten_the_rest():
 
     figure = drawn(make_curve(n=200, residual=residual))
 
-    assert "1 reading lies beyond the picture, the farthest at 5 deg." in figure.caption
+    assert "1 reading lies outside the plot, at 5 deg." in figure.caption
 
 
 def test_where_far_readings_are_the_finding_they_are_shown():
@@ -226,7 +226,7 @@ def test_readings_that_were_never_fitted_are_crosses_and_the_caption_says_so():
     figure = drawn(make_curve(unseen=unseen(30)))
 
     assert ">validation readings<" in figure.picture
-    assert "Crosses: 30 validation readings, which were never fitted, in the same way." in figure.caption
+    assert "Crosses: 30 validation readings, not used in the fit" in figure.caption
 
 
 def test_many_of_them_have_means():

@@ -92,7 +92,7 @@ def test_errors_by_place_are_levels_over_their_shells():
     assert mean[[0, 1, 3, 4], 0].tolist() == [0.0, 200.0, 400.0, 600.0]
     assert mean[[0, 1, 3, 4], 1].tolist() == [make_pair().identified.mean_mm] * 4
     assert np.isnan(mean[[2, 5]]).all()
-    assert levels["edge of the zone that the model was made in"][0, 0] == 300.0
+    assert levels["edge of the calibration zone"][0, 0] == 300.0
     assert axis.get_xlabel() == "distance from axis 1 [mm]"
 
 

@@ -22,14 +22,16 @@ def test_steel_grows_from_20_degrees_on(celsius, length_mm):
 
 def test_the_length_of_the_day_stands_beside_the_certified_one():
     assert told(STEEL) == (
-        "300.00120 mm at 20 °C (u 0.00040 mm); at the 21.0 to 23.0 °C of the day 300.00465 to 300.01155 mm, "
-        "0.0104 mm from what the readings count, its length at 20 °C"
+        "300.00120 mm at 20 °C (u 0.00040 mm); 300.00465 to 300.01155 mm at the measured 21.0 to 23.0 °C, "
+        "a change of up to 0.0104 mm from its length at 20 °C, which the readings use"
     )
 
 
 def test_what_is_not_known_is_not_computed():
-    assert told(replace(STEEL, temperature_c=None)).endswith("no temperature was read while it was used")
-    assert told(replace(STEEL, expansion_per_k=None)).endswith("because its expansion is not stated")
+    unread, unknown = (told(replace(STEEL, **{name: None})) for name in ("temperature_c", "expansion_per_k"))
+
+    assert unread.endswith("no temperature was recorded while it was in use")
+    assert unknown.endswith("because its expansion coefficient is not stated")
 
 
 def test_conditions_state_temperatures_of_air_ballbar_and_part():

@@ -9,17 +9,17 @@ FOLLOWED = [make_described(where=f"joint {k}", worth=EffectSize(0.3, 0.9, 0.1 * 
 
 def test_the_sentence_names_the_largest_counts_the_others_and_says_what_they_gain():
     assert described_sentence(make_rest(*FOLLOWED[:5])) == (
-        "Described without a name, as functions as large as the data ask for: "
+        "Modelled empirically, without an identified cause, as far as the data require: "
         "joint 9 over angle of joint 1 (0.900 mm), joint 8 over angle of joint 1 (0.800 mm), "
-        "joint 7 over angle of joint 1 (0.700 mm), 2 smaller; "
-        "this takes 0.0300 mm off the RMS of the errors on unseen points."
+        "joint 7 over angle of joint 1 (0.700 mm), 2 smaller ones. "
+        "This reduces the RMS error at unseen points by 0.0300 mm."
     )
 
 
 def test_what_depends_on_nothing_is_its_place_alone():
     sentence = described_sentence(make_rest(make_described(where="nest 2", over="constant")))
 
-    assert ": nest 2 (0.120 mm); this" in sentence
+    assert ": nest 2 (0.120 mm). This" in sentence
 
 
 def test_the_table_holds_the_largest():

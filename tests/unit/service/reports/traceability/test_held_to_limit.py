@@ -41,8 +41,8 @@ def test_without_a_limit_neither_passes_and_both_say_how_to_set_one(circles, sph
         of_circles(circles, NO_LIMIT),
         sphere_front(sphere, "IRB 120", "nominal", NO_LIMIT, IN_ENGLISH),
     ):
-        assert (front.word, front.look) == ("NO LIMIT WAS SET", "not_answered")
-        assert "Judge anew" in front.rule
+        assert (front.word, front.look) == ("NO LIMIT SET", "not_answered")
+        assert "Set a limit on the result page" in front.rule
         assert front.figure.value.endswith(" mm")
 
 
@@ -54,7 +54,7 @@ def test_the_largest_error_of_a_joint_is_held_against_the_limit(circles):
         for limit in (size.value + 1.01 * guard, size.value, size.value - 1.01 * guard)
     ]
 
-    assert words == ["PASSED", "CANNOT BE DECIDED", "NOT PASSED"]
+    assert words == ["PASSED", "CANNOT BE DECIDED", "FAILED"]
     assert of_circles(circles, Limit(size.value + 1e-6, "simple")).word == "PASSED"
 
 
@@ -64,14 +64,14 @@ def test_a_joint_that_was_not_judged_cannot_pass(circles):
     front = of_circles(test, FAR)
 
     assert front.word == "CANNOT BE DECIDED"
-    assert "Joint 5, nest 1: Its readings are in one place" in front.sentence
-    assert of_circles(test, Limit(0.001)).word == "NOT PASSED"
+    assert "Joint 5, nest 1: Its readings are at one point" in front.sentence
+    assert of_circles(test, Limit(0.001)).word == "FAILED"
 
 
 def test_of_nothing_there_is_neither_figure_nor_picture():
     front = of_circles(CircleTest((), ()), FAR)
 
-    assert (front.word, front.look) == ("NOTHING TO JUDGE", "not_answered")
+    assert (front.word, front.look) == ("NOTHING TO ASSESS", "not_answered")
     assert (front.figure, front.picture, front.caption) == (None, None, "")
 
 
@@ -80,12 +80,14 @@ def test_lengths_about_the_taught_ball_are_held_against_the_limit(sphere):
     passed = sphere_front(sphere, "IRB 120", "nominal", FAR, IN_ENGLISH)
     failed = sphere_front(sphere, "IRB 120", "nominal", Limit(taught.value / 2.0), IN_ENGLISH)
 
-    assert (passed.word, failed.word) == ("PASSED", "NOT PASSED")
+    assert (passed.word, failed.word) == ("PASSED", "FAILED")
     assert passed.figure.value.startswith(f"{taught.value:.2f}"[:4])
-    assert "guard band by ISO 14253-1" in passed.rule
+    assert "guard band to ISO 14253-1" in passed.rule
 
 
-@pytest.mark.parametrize(("skipped", "said"), [(1, "One stop was skipped"), (3, "3 stops were skipped")])
+@pytest.mark.parametrize(
+    ("skipped", "said"), [(1, "One configuration was skipped"), (3, "3 configurations were skipped")]
+)
 def test_stops_that_were_skipped_leave_it_open(sphere, skipped, said):
     front = sphere_front(replace(sphere, skipped=skipped), "IRB 120", "nominal", FAR, IN_ENGLISH)
 

@@ -21,10 +21,10 @@ def test_one_sentence_says_the_readings_both_uncertainties_and_noise(identificat
     made = headline_of(identification, campaign)
 
     assert made.good
-    assert made.sentence.startswith("Judged on 60 held-out positions (before: U = ")
+    assert made.sentence.startswith("Assessed on 60 held-out positions. Expanded uncertainty")
     assert made.sentence.count("U = ") == 2
     assert (
-        "the noise of instrument and robot alone would show 0.0160 mm" in made.sentence
+        "Instrument noise and robot repeatability alone would give a mean error of 0.0160 mm" in made.sentence
     )  # sqrt(8/pi) * 0.01
 
 
@@ -46,7 +46,7 @@ def test_a_falling_mean_does_not_hide_a_growing_rms(campaign, identification):
     made = headline_of(make_identification(validation=mixed, model=identification.model), campaign)
 
     assert not made.good
-    assert "the RMS does not fall (1.900 mm before, 2.000 mm after)" in made.sentence
+    assert "the RMS error does not fall (1.900 mm before, 2.000 mm after)" in made.sentence
 
 
 def test_an_identification_that_did_not_converge_is_refused_first(campaign, identification):
@@ -57,7 +57,7 @@ def test_an_identification_that_did_not_converge_is_refused_first(campaign, iden
     made = headline_of(failed, campaign)
 
     assert not made.good
-    assert made.sentence.startswith("Not to be used: It did not settle. ")
+    assert made.sentence.startswith("Do not use: It did not settle. ")
 
 
 def test_without_a_model_the_message_is_the_headline():
@@ -81,8 +81,8 @@ def test_a_single_held_out_configuration_tells_no_uncertainty(identification, ca
 
     made = headline_of(replace(identification, validation=pair), replace(campaign, validation=alone))
 
-    assert made.sentence.startswith("Judged on 1 held-out position (before")
-    assert made.sentence.count("U not known from one configuration") == 2
+    assert made.sentence.startswith("Assessed on 1 held-out position.")
+    assert made.sentence.count("U unknown from a single configuration") == 2
 
 
 def test_noise_that_nobody_stated_is_no_noise_of_zero(identification, campaign):
@@ -90,7 +90,7 @@ def test_noise_that_nobody_stated_is_no_noise_of_zero(identification, campaign):
 
     made = headline_of(replace(identification, validation=silent), campaign)
 
-    assert "the noise of instrument and robot is not stated" in made.sentence
+    assert "The noise of instrument and robot is not stated" in made.sentence
     assert next(figure for figure in made.figures if figure.name == "Noise alone").remark == "not stated"
 
 

@@ -27,7 +27,7 @@ def test_models_that_the_lengths_do_not_tell_apart_are_named():
     assert said[0].startswith("Accuracy, best first: ")
     (alike,) = said[1:]
     assert {"first", "second"} == set(
-        alike.removeprefix("The lengths do not tell ").removesuffix(" apart.").split(" and ")
+        alike.removeprefix("The lengths do not distinguish ").removesuffix(".").split(" from ")
     )
 
 
@@ -36,7 +36,8 @@ def test_one_model_has_no_order():
 
 
 @pytest.mark.parametrize(
-    ("skipped", "said_first"), [(3, "3 stops were"), (1, "One stop was"), (0, None), (None, None)]
+    ("skipped", "said_first"),
+    [(3, "3 configurations were"), (1, "One configuration was"), (0, None), (None, None)],
 )
 def test_stops_that_a_person_left_out_are_counted(skipped, said_first):
     """Who skips what the bar does not reach leaves out the largest errors."""
@@ -53,7 +54,7 @@ def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
 
     assert list(sphere_table(test, IN_ENGLISH).rows) == []
     said = [english(sentence) for sentence in sphere_test_sentences(test, IN_ENGLISH)]
-    assert said[0] == "Placement 1, base point 1: There are 4 lengths to this ball; six are needed."
+    assert said[0] == "Placement 1, base point 1: Lengths to this ball: 4. Six are needed."
 
 
 def test_the_nominal_arm_has_its_word_in_every_language():

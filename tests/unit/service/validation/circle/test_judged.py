@@ -186,7 +186,7 @@ def test_one_place_and_a_line_are_no_circles(places):
 def test_three_angles_are_too_few():
     (refused,) = circle_test(read_on(IRB_120, turned(1, there_and_back(-60, 60, 60)))).withheld
 
-    assert english(refused.reason) == "It was read at 3 angles; a circle needs four."
+    assert english(refused.reason) == "Angles measured: 3. A circle needs four."
 
 
 def test_a_table_in_which_all_joints_move_is_no_circle_test():
@@ -273,4 +273,4 @@ def test_of_a_circle_that_gross_readings_left_at_three_angles_nothing_is_said():
     test = circle_test(replace(points, position_mm=places))
 
     assert test.circles == ()
-    assert "3 angles" in english(test.withheld[0].reason)
+    assert "Angles measured: 3." in english(test.withheld[0].reason)

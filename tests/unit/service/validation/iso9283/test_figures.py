@@ -180,8 +180,8 @@ def test_a_missing_repeat_is_named_and_never_made_up():
 
     assert [(w.symbol, w.subject) for w in found.withheld] == [("AP", "P3"), ("RP", "P3")]
     assert english(found.withheld[0].reason) == (
-        "P3 was measured in 26 cycles (cycles 4, 17 to 19 are missing); ISO 9283 asks for 30, "
-        "and none is made up"
+        "P3 was measured in 26 cycles (cycles 4, 17 to 19 are missing); ISO 9283 requires 30, "
+        "and missing cycles are not filled in"
     )
     assert {c.subject for c in found.characteristics} == {"P1", "P2", "P4", "P5"}
 
@@ -220,7 +220,7 @@ def test_cycles_that_hold_one_end_only_give_no_distance():
     found = distance_performance(COMMANDED, seen.taken(kept))
 
     reasons = [english(w.reason) for w in found.withheld]
-    assert reasons == ["only 29 cycles hold both ends; ISO 9283 asks for 30"] * 2
+    assert reasons == ["only 29 cycles include both ends; ISO 9283 requires 30"] * 2
 
 
 def test_a_distance_without_an_end_is_refused():

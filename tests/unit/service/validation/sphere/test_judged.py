@@ -143,7 +143,7 @@ def test_a_ball_that_nobody_says_was_taught_has_its_best_centre_only(stops):
     sphere = only(measured(stops, taught=False))
 
     assert [one.errors.centre.is_fitted for one in sphere.models] == [True]
-    assert english(sphere.withheld[0]).startswith("Nobody says where the arm held the ball")
+    assert english(sphere.withheld[0]).startswith("The taught position of the ball is not stated")
 
 
 def test_five_lengths_are_too_few(stops):
@@ -151,7 +151,7 @@ def test_five_lengths_are_too_few(stops):
     sphere = only(sphere_campaign(joints_rad=joints[:5], nest=nest[:5]))
 
     assert sphere.models == ()
-    assert english(sphere.withheld[0]) == "There are 5 lengths to this ball; six are needed."
+    assert english(sphere.withheld[0]) == "Lengths to this ball: 5. Six are needed."
 
 
 def test_a_nest_with_one_length_is_named(stops):
