@@ -92,7 +92,7 @@ def make_wave(order=2.0, **changes):
         "amplitude_standard_uncertainty": 0.002,
         "confidence": Confidence.CERTAIN,
         "details": (Detail("order", order, "1", 0.0), Detail("phase", 12.0, "deg", 3.0)),
-        "sentence": "Joint 6 is off by a wave of 2 periods per turn, 0.029 deg.",
+        "sentence": "Joint 6 has a periodic error of 2 periods per turn, amplitude 0.029 deg.",
         "confusable_with": (),
         "parameters": ("wave_6_2_cos", "wave_6_2_sin"),
         "curve": None,
@@ -123,7 +123,7 @@ def make_diagnosis(**changes):
         "before": make_statistics(rms_mm=0.061),
         "after": make_statistics(rms_mm=0.019),
         "held_out": "cross_validation",
-        "remaining": Remaining(False, (), "What is left looks like the stated noise."),
+        "remaining": Remaining(False, (), "The residuals are consistent with the stated noise."),
         "next_measurements": (
             NextMeasurement(
                 "Measure these from both sides.",
@@ -167,4 +167,4 @@ def make_described(**changes):
 def make_rest(*described, gain=None):
     """Structure that is left, with what the model describes of it."""
     gain = gain or Gain(0.37, 0.34, (0.02, 0.04))
-    return Remaining(True, (), "What is left depends on the place.", described=described, described_gain=gain)
+    return Remaining(True, (), "The residuals depend on the place.", described=described, described_gain=gain)

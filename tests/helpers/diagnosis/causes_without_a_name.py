@@ -85,7 +85,7 @@ def assert_line_told(diagnosis, joint, order):
     assert (told.name, finding.confidence) == ("order", "certain")
     assert 0.0 < told.standard_uncertainty < 0.06
     assert told.value == pytest.approx(order, abs=3.0 * told.standard_uncertainty)
-    assert f"a wave of {told.value:.2f} periods per turn" in english(finding.sentence)
+    assert f"a periodic error of {told.value:.2f} periods per turn" in english(finding.sentence)
     assert finding.amplitude == pytest.approx(0.02, abs=4.0 * finding.amplitude_standard_uncertainty)
 
 

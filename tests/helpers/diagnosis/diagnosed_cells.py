@@ -20,7 +20,7 @@ from truepose.domain.diagnosis import (
 from truepose.domain.identification import Statistics
 
 NOISE_MM = 0.02
-NOTHING_LEFT = Remaining(False, (), "What is left looks like the stated noise.")
+NOTHING_LEFT = Remaining(False, (), "The residuals are consistent with the stated noise.")
 START = ("base", "tool", "geometry", "compliance")
 FOUND_RULED_OUT = (
     *(
@@ -72,7 +72,7 @@ def make_finding(**changes):
         "amplitude_standard_uncertainty": 0.0019,
         "p_value": 3e-11,
         "details": (Detail("order", 2.0, "1", 0.0), Detail("phase", 41.2, "deg", 3.7)),
-        "sentence": "Joint 6 is off by a wave of 2 periods per turn, 0.029 deg: typical of its gear.",
+        "sentence": "Joint 6 has a periodic error of 2 periods per turn, 0.029 deg: typical of its gear.",
         "gain": Gain(0.0612, 0.0389, (0.0171, 0.0282)),
         "share": 0.71,
         "curve": make_curve(),
@@ -150,8 +150,8 @@ def make_diagnosis(**changes):
     values = {
         "robot": "ABB IRB 120",
         "verdict": Verdict.EXPLAINED,
-        "message": "Joint 6 is off by a wave of 2 periods per turn, 0.029 deg; with it, the model explains "
-        "the readings down to their noise.",
+        "message": "Joint 6 has a periodic error of 2 periods per turn, 0.029 deg; with it, the model "
+        "explains the readings down to their noise.",
         "start_effects": START,
         "findings": (make_finding(),),
         "quantity": "position",
@@ -190,7 +190,7 @@ def two_findings():
         (Cause("joint_gain", "joint 2"), Cause("joint_harmonics", "joint 2")),
     )
     return make_diagnosis(
-        message="Joint 6 is off by a wave of 2 periods per turn, 0.029 deg, and joint 2 probably turns "
+        message="Joint 6 has a periodic error of 2 periods per turn, 0.029 deg, and joint 2 probably turns "
         "0.021 % further than it should.",
         findings=(make_finding(), make_gain_finding()),
         next_measurements=(proposal,),
@@ -245,7 +245,7 @@ LEFT = Remaining(
 def partly_explained():
     return make_diagnosis(
         verdict=Verdict.PARTLY_EXPLAINED,
-        message="Joint 6 is off by a wave of 2 periods per turn, 0.029 deg; more changes with time.",
+        message="Joint 6 has a periodic error of 2 periods per turn, 0.029 deg; more changes with time.",
         remaining=LEFT,
         errors=make_errors(after_mm=0.04),
     )

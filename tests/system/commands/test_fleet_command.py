@@ -29,21 +29,21 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     again, document, _ = truepose("fleet", archive, "--out", out, "--workers", 1, "--json", *later)
 
     assert (status, again) == (0, 0)
-    assert "Nothing changes beyond chance" in " ".join(said.split())
-    assert "Measure robot 00 next. Nothing calls for it" in " ".join(said.split())
+    assert "No significant change" in " ".join(said.split())
+    assert "Measure robot 00 next. No particular reason" in " ".join(said.split())
     assert "of robot 00 whether" in remarks
-    assert "A further robot of the type comes to a mean error of" in remarks
+    assert "Another robot of the type reaches a predicted mean error of" in remarks
     assert len(files["new.csv"].read_text().splitlines()) == 16
     assert files["check.csv"].read_text().startswith("config,q1_deg,")
-    assert "Nothing changes beyond chance" in files["fleet.html"].read_text()
+    assert "No significant change" in files["fleet.html"].read_text()
     found = json.loads(document)
     assert (found["robots"], found["campaigns"], found["changes"]) == (["robot 00", "robot 01"], 4, [])
     assert (found["first"], found["last"], found["simulated"]) == ("2026-03-02", "2026-04-01", True)
     assert all(one["size_mm"] >= one["best_mm"] > 0.0 for one in found["would_show"])
     assert [one["size_mm"] for one in found["drifts_would_show"]] == [None, None]  # of two days each
-    assert "would have shown with 95 % from these sizes on" in " ".join(said.split())
+    assert "would have been detected with 95 % probability from these sizes on" in " ".join(said.split())
     assert (found["checked"]["robot"], found["checked"]["causes"][0]["told"]) == ("robot 00", False)
-    assert found["checked"]["sentences"][0].startswith("Nothing that was asked of robot 00 has grown")
+    assert found["checked"]["sentences"][0].startswith("None of the causes checked in robot 00 has grown")
     assert len(kept) == 4
     assert {file.name: file.stat().st_mtime_ns for file in out.rglob("*.told")} == kept
 

@@ -110,8 +110,8 @@ def test_angles_with_few_digits_are_told_to_be_the_noise(decimals, seed, tmp_pat
     diagnosis = diagnose(campaign)
 
     assert diagnosis.verdict is Verdict.CONSISTENT
-    assert f"the joint angles are given in steps of {0.1**decimals:g} deg" in english(diagnosis.message)
-    assert english(diagnosis.message).endswith("Give them with all their digits.")
+    assert f"the joint angles are rounded to steps of {0.1**decimals:g} deg" in english(diagnosis.message)
+    assert english(diagnosis.message).endswith("Provide the angles with all their digits.")
 
 
 def test_an_arm_that_settles_has_nothing_of_it(tmp_path):

@@ -109,7 +109,10 @@ def test_what_no_material_does_is_likely_at_most_and_says_so():
     (finding,) = [one for one in found.findings if one.over == "temperature"][:1]
     assert finding.effect == "thermal_growth"
     assert finding.confidence is Confidence.LIKELY
-    assert english(finding.sentence).endswith("; no material of a robot does that: something else acts here.")
+    assert english(finding.sentence).endswith(
+        ". This value is not plausible (no robot material expands or shrinks that much): "
+        "the actual cause is a different one."
+    )
 
 
 def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
@@ -199,8 +202,8 @@ def test_a_description_that_unseen_points_contradict_is_in_no_model(campaign, na
     assert nameless.remaining.described
     assert (found.remaining.described, found.remaining.described_gain) == ((), None)
     assert found.remaining.structure
-    assert "A description of what is left" in english(found.remaining.sentence)
-    assert "A description of what is left" not in english(nameless.remaining.sentence)
+    assert "An empirical description of the residuals" in english(found.remaining.sentence)
+    assert "An empirical description of the residuals" not in english(nameless.remaining.sentence)
     assert found.model.effects == START
 
 
@@ -298,7 +301,7 @@ def test_what_validation_readings_contradict_is_said_and_certain_no_more(contrad
     assert found.withdrawn == ()
     assert found.verdict is Verdict.PARTLY_EXPLAINED
     assert found.after.rms_mm > found.before.rms_mm
-    assert english(found.remaining.sentence).startswith("The validation readings contradict what was found")
+    assert english(found.remaining.sentence).startswith("The validation readings contradict the findings")
     assert english(found.remaining.sentence) in english(found.message)
     # nobody is given a model that is known to be worse
     assert "gain_4" not in [parameter.name for parameter in found.model.parameters]
@@ -372,7 +375,7 @@ def test_bad_readings_that_gather_are_not_certain_and_what_they_share_is_left():
 
     assert diagnosis.verdict is Verdict.PARTLY_EXPLAINED
     assert (finding.effect, finding.confidence) == ("outliers", Confidence.LIKELY)
-    assert "read at nest 2 in mounting 3 of the tool" in english(finding.sentence)
+    assert "taken at nest 2 in mounting 3 of the tool" in english(finding.sentence)
     assert [one.variable for one in diagnosis.remaining.depends_on] == ["nest and attachment of the tool"]
     assert diagnosis.remaining.described == ()
     assert np.array_equal(diagnosis.errors.before_mm, diagnosis.errors.after_mm)

@@ -92,7 +92,7 @@ def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
     doubt = english(fit_baseline(with_wild(campaign, of_nest_2), START, relabel=True).doubt)
 
     assert "no model can be trusted" in doubt
-    assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in doubt
+    assert f"of them were taken at nest 2, and so were {len(of_nest_2)} of all readings" in doubt
 
 
 def test_too_many_wild_readings_anywhere_share_nothing(campaign):
@@ -100,7 +100,7 @@ def test_too_many_wild_readings_anywhere_share_nothing(campaign):
 
     doubt = fit_baseline(with_wild(campaign, anywhere), START, relabel=True).doubt
 
-    assert english(doubt).endswith("the order of the rows first.")
+    assert english(doubt).endswith("the order of the rows.")
 
 
 def jumped_far(after, readings=130):
@@ -134,4 +134,4 @@ def test_readings_that_are_wild_leave_nothing_to_say():
 
     assert found.verdict == "unexplained"
     assert found.findings == ()
-    assert "do not fit the others: no model can be trusted" in english(found.message)
+    assert "do not fit the others, so no model can be trusted" in english(found.message)

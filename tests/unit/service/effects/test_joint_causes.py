@@ -112,7 +112,7 @@ def test_a_coupling_names_its_source():
         pytest.approx(2e-5),
     )
     assert [(detail.name, detail.value) for detail in shown.details] == [("source joint", 5.0)]
-    assert "Joint 6 moves along with joint 5" in english(shown.sentence)
+    assert "Joint 6 also turns when joint 5 moves" in english(shown.sentence)
 
 
 def test_a_gap_keeps_a_joint_from_where_it_is_sent_also_where_it_counts_against_its_axis():
@@ -183,7 +183,7 @@ def test_of_many_gaps_the_widest_is_the_amplitude():
     assert shown.amplitude == pytest.approx(np.rad2deg(6e-4))
     assert shown.standard_uncertainty == pytest.approx(np.rad2deg(1e-5))
     assert [detail.name for detail in shown.details] == ["gap of joint 1", "gap of joint 4", "gap of joint 6"]
-    assert "widest gap is that of joint 4" in english(shown.sentence)
+    assert "The largest is that of joint 4" in english(shown.sentence)
 
 
 def test_springs_are_looked_for_in_every_joint_that_gravity_loads():
@@ -265,7 +265,7 @@ def test_a_gear_is_softer_near_zero_torque_and_has_its_own_stiffness_far_beyond(
 def test_unknown_torques_hide_how_a_gear_bends():
     scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
 
-    assert "torques of the joints are unknown" in english(CAUSES["compliance_nonlinear"].unseen(scene))
+    assert "joint torques are unknown" in english(CAUSES["compliance_nonlinear"].unseen(scene))
     assert CAUSES["compliance_nonlinear"].candidates(scene) == ()
 
 
@@ -332,8 +332,8 @@ def longer(row, factor):
 @pytest.mark.parametrize(
     ("temperature", "reason"),
     [
-        (None, "do not tell the temperature"),
-        (np.full(24, np.nan), "do not tell"),
+        (None, "have no temperature"),
+        (np.full(24, np.nan), "have no temperature"),
         (np.full(24, 23.0), "within 0.0 K"),
     ],
 )
@@ -363,7 +363,7 @@ def test_waves_are_looked_for_up_to_twice_the_gear_and_in_the_joints_own_turn_at
     assert tried == tuple(range(1, highest + 1))
 
 
-@pytest.mark.parametrize(("gain", "words"), [(3e-4, "too far"), (-3e-4, "not far enough")])
+@pytest.mark.parametrize(("gain", "words"), [(3e-4, "too far"), (-3e-4, "does not turn far enough")])
 def test_a_gain_tells_its_way_over_what_was_measured(gain, words):
     scene = scene_for("joint_gain")
 

@@ -170,19 +170,21 @@ def test_two_shapes_of_one_drift_are_added_up():
 def test_without_fixed_nests_a_moving_tracker_and_a_moving_base_name_each_other():
     alone = replace(telling_scene(), reference_s=np.zeros(0))
     for cause, prefix, other in (
-        ("instrument_drift", "tracker_linear", "moving base looks the same"),
-        ("base_drift", "drift_linear", "drifting tracker looks the same"),
+        ("instrument_drift", "tracker_linear", "cannot be distinguished from a moving base"),
+        ("base_drift", "drift_linear", "cannot be distinguished from a drifting tracker"),
     ):
         fitted = six(prefix, [0.1, 0, 0, 0, 0, 0])
 
         assert other in english(CAUSES[cause].describe("", fitted, alone).sentence)
-        assert "looks the same" not in english(CAUSES[cause].describe("", fitted, telling_scene()).sentence)
+        assert "cannot be distinguished" not in english(
+            CAUSES[cause].describe("", fitted, telling_scene()).sentence
+        )
 
 
 def test_lengths_have_no_frame_that_could_drift():
     scene = replace(telling_scene(), legs=True)
 
-    assert "read positions" in english(CAUSES["instrument_drift"].unseen(scene))
+    assert "measure positions" in english(CAUSES["instrument_drift"].unseen(scene))
     assert CAUSES["instrument_drift"].candidates(scene) == ()
 
 

@@ -58,7 +58,7 @@ def test_each_certified_nest_may_be_off_as_long_as_another_is_not():
 def test_a_single_certified_nest_tells_nothing_of_its_own_offset():
     scene = telling_scene(("base", "tool", "geometry", "compliance"), one_known_nest())
 
-    assert "read another nest" in english(CAUSES["nest_offset"].unseen(scene))
+    assert "read another certified nest" in english(CAUSES["nest_offset"].unseen(scene))
     assert CAUSES["nest_offset"].candidates(scene) == ()
     assert CAUSES["nest_offset"].specs(scene.setting) == ()
 
@@ -92,7 +92,7 @@ def test_an_offset_is_shown_as_its_length():
 
     assert (shown.amplitude, shown.unit) == (pytest.approx(0.06), "mm")
     assert [detail.value for detail in shown.details] == pytest.approx([0.02, -0.04, 0.04])
-    assert english(shown.sentence).startswith("Nest 2 of the tool is 0.060 mm away")
+    assert english(shown.sentence).startswith("Tool nest 2 is 0.060 mm from its certified position")
 
 
 @pytest.mark.parametrize("attachment", [None, np.ones(24, dtype=np.int64)])
@@ -153,7 +153,7 @@ def test_swapped_labels_need_two_nests():
     campaign = telling_campaign()
     one = replace(telling_scene(), nest=np.ones(len(campaign.calibration), dtype=np.int64))
 
-    assert "nothing can be confused" in english(CAUSES["label_swap"].unseen(one))
+    assert "no other nest to mix it up with" in english(CAUSES["label_swap"].unseen(one))
     assert CAUSES["label_swap"].unseen(telling_scene()) is None
 
 
@@ -161,11 +161,11 @@ def test_swapped_labels_are_counted_among_the_readings_of_their_two_nests():
     shown = CAUSES["label_swap"].describe(pair_subject(3, 1), share(0.25, 0.1), telling_scene())
 
     assert shown.subject == "nest 1, nest 3"
-    assert "Nests 1 and 3 were confused in 4 of their 16 readings" in english(shown.sentence)
+    assert "Nests 1 and 3 were mixed up in 4 of their 16 readings" in english(shown.sentence)
 
 
 @pytest.mark.parametrize(
-    ("value", "words"), [(1 / 24, "1 of 24 reading belongs"), (0.125, "3 of 24 readings belong")]
+    ("value", "words"), [(1 / 24, "1 of 24 readings is an outlier"), (0.125, "3 of 24 readings are outliers")]
 )
 def test_bad_readings_are_counted_among_all(value, words):
     shown = CAUSES["outliers"].describe("readings", share(value, 0.02), telling_scene())
@@ -187,7 +187,7 @@ def test_a_scale_is_seen_on_fixed_nests_or_on_a_second_certified_nest():
     start = ("base", "tool", "geometry", "compliance")
     alone = replace(telling_scene(start, one_known_nest()), reference_s=np.zeros(0))
 
-    assert "fixed nests" in english(CAUSES["instrument_scale"].unseen(alone))
+    assert "reference nests" in english(CAUSES["instrument_scale"].unseen(alone))
     assert CAUSES["instrument_scale"].candidates(alone) == ()
     assert CAUSES["instrument_scale"].unseen(replace(alone, reference_s=np.array([1.0]))) is None
     assert CAUSES["instrument_scale"].unseen(telling_scene()) is None

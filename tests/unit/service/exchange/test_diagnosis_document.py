@@ -58,7 +58,7 @@ def test_a_finding_is_printed_as_promised():
     assert document["remaining"] == {
         "structure": False,
         "depends_on": [],
-        "sentence": "What is left looks like the stated noise.",
+        "sentence": "The residuals are consistent with the stated noise.",
         "described": [],
         "described_gain": None,
     }

@@ -49,9 +49,9 @@ def test_where_nothing_changes_all_are_due_by_the_day_that_they_were_measured_la
     robots = due(steady, 0.1)
 
     assert [one.why for one in robots] == ["longest_ago"] * 6
-    assert english(headline(steady)).startswith("Nothing changes beyond chance: ")
+    assert english(headline(steady)).startswith("No significant change. ")
     assert english(next_said(robots[0], 0.1)) == (
-        "Measure robot 0 next. Nothing calls for it; it was last measured on 2026-05-31."
+        "Measure robot 0 next. No particular reason; it was last measured on 2026-05-31."
     )
 
 
@@ -64,7 +64,7 @@ def test_the_robot_that_ages_is_due_first_and_the_day_of_the_limit_says_why(agei
     assert date.fromordinal(round(first.passing.day)) == date(2026, 8, 29)  # as far again as it came
     assert f"before {date.fromordinal(int(first.passing.earliest))}" in english(next_said(first, 2.0 * size))
     passed = english(next_said(due(ageing, 0.5 * size)[0], 0.5 * size))
-    assert "passed" in passed
+    assert "exceeded" in passed
     assert passed.endswith("before it was last measured.")
 
 
@@ -116,7 +116,7 @@ def test_a_robot_whose_newest_campaign_was_left_out_is_measured_again(steady):
     assert (first.robot, first.why) == ("robot 3", "unlike")
     assert english(next_said(first, 0.1)) == (
         "Measure robot 3 next. "
-        "Its campaign of 2026-06-30 is unlike its others and was left out: measure it again."
+        "Its campaign of 2026-06-30 differs from its others and was left out: measure it again."
     )
 
 
@@ -125,7 +125,7 @@ def test_what_all_robots_show_on_one_day_sends_to_what_they_had_in_common():
 
     told = [english(one) for one in change_sentences(found, found.named[0], None)]
 
-    assert any("look what all campaigns of that day had in common" in one for one in told)
+    assert any("check what all campaigns of that day had in common" in one for one in told)
     assert {one.why for one in due(found, 1e-9)} == {"longest_ago"}
 
 

@@ -74,7 +74,7 @@ def test_few_readings_with_the_type_promise_more_than_many_without(space, belief
     assert found.needed > 20  # a robot's 90 parameters from what is stated of any robot
     assert found.same_mm > 2.0 * found.pooled.mean_mm
     sentence = english(new_robot_said(found))
-    assert f"{found.pooled.mean_mm:.3f} mm with 15 configurations and what its type says" in sentence
+    assert f"{found.pooled.mean_mm:.3f} mm with 15 configurations and the data of its type" in sentence
     assert f"the same parameters need {found.needed} configurations" in sentence
 
 
@@ -87,7 +87,7 @@ def test_a_type_whose_robots_have_nothing_in_common_saves_no_reading(space, beli
 
     assert not found.is_worth
     assert found.same_mm == pytest.approx(found.pooled.mean_mm, rel=1e-6)
-    assert "saves a further one no reading: 8 configurations promise" in english(new_robot_said(found))
+    assert "save no readings for another robot: 8 configurations give" in english(new_robot_said(found))
 
 
 def test_a_type_of_which_nothing_is_believed_beyond_the_usual_lacks_nothing(belief, campaign):

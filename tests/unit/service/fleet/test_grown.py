@@ -45,8 +45,10 @@ def test_where_nothing_has_grown_nothing_is_told(account):
     assert robot == "robot 01"
     assert not any(one.is_told for one in found)
     assert len(found) == 17  # five springs and twelve lines of gears
-    assert said[0].startswith("Nothing that was asked of robot 01 has grown beyond chance")
-    assert said[1].startswith("Growth of any of 17 causes would have shown with 95 % from 0.")
+    assert said[0].startswith("None of the causes checked in robot 01 has grown significantly")
+    assert said[1].startswith(
+        "Growth of any of 17 causes would have been detected with 95 % probability from 0."
+    )
 
 
 def test_what_has_grown_is_told_with_its_size(account):
@@ -58,7 +60,7 @@ def test_what_has_grown_is_told_with_its_size(account):
     assert (first.cause.effect, first.cause.subject, first.is_told) == ("compliance", "joint 3", True)
     assert abs(first.size_mm - moved_mm) < 4.0 * first.u_mm
     assert english(next(grown_said(robot, found))).startswith(
-        "In robot 01 compliance, joint 3 has grown by 0."
+        "In robot 01, compliance, joint 3 has grown by 0."
     )
 
 

@@ -39,8 +39,8 @@ def test_several_sentences_are_one_text_and_empty_ones_are_none():
 
     assert together(first, "", last) == together(first, together(last))
     assert english(together(first, "In words of their own.", last)) == (
-        "Something is wrong that no known cause explains. In words of their own. "
-        "What is left looks like the stated noise."
+        "The residuals contain an error that no known cause explains. In words of their own. "
+        "The residuals are consistent with the stated noise."
     )
     assert together("", "") == ""
 
@@ -49,7 +49,7 @@ def test_a_text_is_known_by_its_first_sentence():
     as_stated, full = message("remaining.as_stated"), message("remaining.full")
 
     assert leading_key(together(as_stated, full)) == leading_key(as_stated) == "remaining.as_stated"
-    assert leading_key("What is left looks like the stated noise.") == ""
+    assert leading_key("The residuals are consistent with the stated noise.") == ""
     assert leading_key(together("Theirs.", full)) != "remaining.full"
 
 

@@ -88,21 +88,21 @@ def test_every_parameter_of_every_effect_is_explained(effect, torques):
 
 
 def test_base_nests_and_the_length_offset_are_explained():
-    assert meaning("anchor_1_3_x", "legs") == "base nest 3 of placement 1 in the world, x"
-    assert meaning("length_offset", "legs") == "added to every length"
+    assert meaning("anchor_1_3_x", "legs") == "position of base nest 3 of placement 1 in the world, x"
+    assert meaning("length_offset", "legs") == "offset added to every length"
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("drift_exp1200_rz", "motion of the base that settles within about 1200 s, about z"),
+        ("drift_exp1200_rz", "drift of the base that settles with a time constant of 1200 s, about z"),
         ("jump_1234.5_x", "jump of the base between two readings, along x"),
         ("fixture_2_1234.5_ry", "jump of the base fixture during placement 2, about y"),
-        ("seat_3_z", "seat of the tool at mounting 3, along z"),
-        ("offset_2_y", "tool nest 2 away from its certified place, y"),
-        ("sag_4", "bending of link 4: one over its flexural rigidity"),
-        ("mass_3", "mass of link 3 beyond what is stated"),
-        ("wave_6_202_cos", "error of joint 6 over its own angle: cos of 202 periods per turn"),
+        ("seat_3_z", "seating of the tool at mounting 3, along z"),
+        ("offset_2_y", "offset of tool nest 2 from its certified position, y"),
+        ("sag_4", "bending of link 4: 1 / flexural rigidity"),
+        ("mass_3", "mass of link 3 in excess of the stated value"),
+        ("wave_6_202_cos", "periodic error of joint 6: cos with 202 periods per turn"),
     ],
 )
 def test_parameters_that_only_data_propose_are_explained(name, words):

@@ -37,10 +37,10 @@ BOTH = "Mean error 0.499 mm before (nominal), 0.033 mm after; "
         ),
         (
             replace(VALIDATION, decision=None, limit_mm=None),
-            "no limit stated: state one to get a pass or fail.",
+            "no limit set: set one to get a pass or fail.",
         ),
-        (IDENTIFICATION, "no limit stated: validate to get a pass or fail."),
-        (DIAGNOSIS, "no limit stated: validate to get a pass or fail."),
+        (IDENTIFICATION, "no limit set: validate to get a pass or fail."),
+        (DIAGNOSIS, "no limit set: validate to get a pass or fail."),
     ],
 )
 def test_it_says_before_after_limit_and_pass_or_what_is_missing(found, end):
@@ -61,7 +61,7 @@ def test_a_diagnosis_compares_with_nominal_and_not_with_the_model_that_it_starts
     [
         (Outcome(None, MODEL), "Mean error not recorded before (nominal), 0.033 mm after; "),
         (Outcome(NOMINAL, MODEL, "length"), "Mean length error 0.499 mm before (nominal), 0.033 mm after; "),
-        (Outcome(None, None), "No model was identified: there is no error after, "),
+        (Outcome(None, None), "No model was identified, so there is no error after "),
     ],
 )
 def test_what_is_not_known_is_said_to_be_so(found, said):

@@ -68,7 +68,7 @@ def test_rivals_of_the_angle_are_told_apart_by_configurations(start):
     assert set(proposal.separates) == {Cause(*GAIN), Cause(*COUPLING)}
     assert 3 <= len(proposal.configurations_deg) <= 5
     assert {len(row) for row in proposal.configurations_deg} == {6}
-    assert "where the instrument sees them" in english(proposal.sentence)
+    assert "as far as the instrument sees them" in english(proposal.sentence)
 
 
 def test_the_same_data_get_the_same_answer(start):
@@ -82,7 +82,7 @@ def test_a_hardly_visible_gain_is_told_from_a_wave_by_a_wider_range_only():
 
     # Over +-90 deg the two differ by a few um: no five readings of 15 um each would show it.
     assert proposal.configurations_deg == ()
-    assert english(proposal.sentence).startswith("Measure joint 4 beyond -")
+    assert english(proposal.sentence).startswith("Measure with joint 4 beyond its measured range (-")
     assert set(proposal.separates) == {Cause(*GAIN), Cause(*WAVE[:2])}
 
 
@@ -96,7 +96,7 @@ def test_where_the_limits_allow_it_farther_configurations_are_proposed():
     (proposal,) = proposed(start, [GAIN], [WAVE])
 
     reached = np.abs(np.array(proposal.configurations_deg))
-    assert "beyond the ranges measured so far" in english(proposal.sentence)
+    assert "beyond the joint ranges measured so far" in english(proposal.sentence)
     assert reached.max() <= 160.0
     assert (reached.max(axis=0) > np.rad2deg(np.abs(narrow).max(axis=0))).any()
 
@@ -108,7 +108,7 @@ def test_joints_that_stood_still_are_to_be_moved_first():
 
     first, *_ = proposed(start, [GAIN], [COUPLING])
 
-    assert english(first.sentence).startswith("Move joints 3 and 5 too")
+    assert english(first.sentence).startswith("Also move joints 3 and 5")
     assert set(first.separates) == {Cause(*GAIN), Cause(*COUPLING)}
 
 
@@ -123,7 +123,7 @@ def test_of_many_dependences_the_first_two_are_looked_into(start):
     [
         ("backlash", "joint_harmonics", "from below and once from above", False),
         ("base_drift", "base_shift", "first configurations again at the end", True),
-        ("base_drift", "instrument_drift", "fixed nests", False),
+        ("base_drift", "instrument_drift", "reference nests", False),
         ("thermal_growth", "base_drift", "warmed up", True),
         ("tool_reseating", "base_drift", "mount it again", True),
         ("nest_offset", "joint_gain", "every nest", False),
@@ -181,8 +181,8 @@ def test_every_pair_of_causes_gets_an_action_or_configurations():
         ("joint 3, time, jump", "at the end"),
         ("link 2, temperature, line", "warmed up"),
         ("joint 3, torque of joint 3, sign", "from below"),
-        ("tracker, time, jump", "fixed nests"),
-        ("joint 2, last move, line", "in another order"),
+        ("tracker, time, jump", "reference nests"),
+        ("joint 2, last move, line", "in a different order"),
     ],
 )
 def test_a_cause_without_a_name_gets_the_action_of_its_variable(subject, said):
@@ -223,7 +223,7 @@ def test_every_unknown_dependence_gets_something_to_do(start, kind, joint, count
     (proposal,) = proposed(start, left=make_left(depends(kind, joint)))
 
     assert len(proposal.configurations_deg) == count
-    assert f"depends on the {kind} of something" in english(proposal.sentence)
+    assert f"residuals depend on the {kind} of something" in english(proposal.sentence)
 
 
 def test_noise_beyond_what_is_stated_asks_for_revisits_where_there_were_none(start):

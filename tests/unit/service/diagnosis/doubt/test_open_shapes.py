@@ -74,7 +74,7 @@ def test_the_first_line_says_where_more_than_the_finding_makes_errors_smaller():
         for left in (rest, nothing)
     )
 
-    assert "Including it and what is described without a name changes the mean error" in beside
+    assert "Including it and an empirical description of the residuals changes the mean error" in beside
     assert "Including it changes the mean error" in alone
 
 

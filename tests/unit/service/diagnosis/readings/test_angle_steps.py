@@ -69,7 +69,7 @@ def test_angles_that_were_rounded_scatter_the_tool_as_far_as_it_is_said(step_deg
     assert left.steps.scatter_mm == pytest.approx(np.sqrt(np.mean(off_mm**2)), rel=0.2)
     assert not left.structure
     sentence = english(remaining_sentence(left, full=False))
-    assert f"given in steps of {step_deg:g} deg, and that alone scatters the tool by " in sentence
+    assert f"rounded to steps of {step_deg:g} deg, which alone scatters the tool by " in sentence
 
 
 def test_points_weigh_by_what_the_steps_do_to_them():
@@ -103,7 +103,7 @@ def test_lengths_are_scattered_too():
     left = left_beside(replace(exact, legs=replace(exact.legs, stops=written)), ("tool", "joint_offset"))
 
     assert left.steps.step_deg == 0.1
-    assert "that alone scatters the lengths by " in english(remaining_sentence(left, full=False))
+    assert "which alone scatters the lengths by " in english(remaining_sentence(left, full=False))
 
 
 @pytest.mark.parametrize("noise", [1.0, 2.0, 4.0])

@@ -42,7 +42,7 @@ def test_a_joint_with_dozens_of_lines_is_found_as_one_curve(found):
         ("joint_harmonics", "joint 1")
     ]
     assert len(found.findings[0].parameters) == 120
-    assert "by a curve of its angle" in english(found.findings[0].sentence)
+    assert "that depends on its angle" in english(found.findings[0].sentence)
     assert not found.remaining.structure
 
 

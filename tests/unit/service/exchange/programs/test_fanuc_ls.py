@@ -85,13 +85,16 @@ def test_motions_follow_each_other_as_far_as_the_text_is_straight():
     [
         (
             b"CNT50 Offset,PR[1]",
-            "it is displaced when the program runs; corrected in the file: P[2: approach]",
+            "it is displaced at run time; corrected in the file: P[2: approach]",
         ),
-        (b"C P[3]", "an arc runs through points that are no targets"),
-        (b"L PR[1]", "a position register is not in the file"),
-        (b"L P[R[1]]", "which element it is is chosen when the program runs"),
+        (b"C P[3]", "an arc passes through points that are not targets"),
+        (b"L PR[1]", "its position register is not in the file"),
+        (b"L P[R[1]]", "the element is selected at run time"),
         (b"L P[8]", "it is not declared in this file"),
-        (b"FINE INC", "it moves relative to where the robot stands; corrected in the file: P[2: approach]"),
+        (
+            b"FINE INC",
+            "it moves relative to the robot's current position; corrected in the file: P[2: approach]",
+        ),
         (b"P[5]{", "it was never taught"),
         (b"P[7]{", f"the program changes it in line {line_of(FANUC, b'P[7]=LPOS')}"),
     ],
@@ -123,7 +126,7 @@ def test_a_remark_moves_nothing():
     [
         ("Tool_Offset,PR[2]", "displaced"),
         ("COORD", "coordinated with a group that moves the work"),
-        ("Search[X]", "a search stops"),
+        ("Search[X]", "a search motion stops"),
     ],
 )
 def test_a_motion_that_is_changed_while_it_runs_is_told(modifier, words):
@@ -139,13 +142,13 @@ def test_a_program_for_two_arms_is_left_alone():
     program = program_of("L P[1] 100mm/sec FINE", more=second)
 
     assert program.targets == ()
-    assert reasons(program)[5] == "its second group is another arm, which moves with this one"
+    assert reasons(program)[5] == "its second motion group is another arm, which moves with this one"
 
 
 def test_axes_that_are_lengths_are_no_joint_angles():
     text = "/PROG M\n/MN\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n\tJ1= 1.000 deg,\tJ2= 2.000 mm\n};\n/END\n"
 
-    assert reasons(read("m.ls", text.encode())) == {4: "a joint of it is a length"}
+    assert reasons(read("m.ls", text.encode())) == {4: "one of its joint values is a length"}
 
 
 def test_a_program_without_positions_has_no_targets():

@@ -59,7 +59,7 @@ def test_what_the_program_leaves_alone_is_told_where_it_uses_points_of_the_list(
 
     (left,) = program.left_alone
     assert (left.line, left.what, left.file) == (3, "LIN P1:{Z 5}", "row.src")
-    assert english(left.reason) == "its place is computed when the program runs; corrected in the file: P1"
+    assert english(left.reason) == "its position is computed at run time; corrected in the file: P1"
 
 
 def test_targets_of_the_files_beside_are_not_among_the_answer():

@@ -43,7 +43,7 @@ def test_a_point_that_the_robot_carries_to_a_standing_tool_is_left_alone():
     program = read("row.dat")
 
     assert [target.name for target in program.targets] == ["XP1"]
-    assert reasons(program) == {5: "the robot holds the work and the tool stands still"}
+    assert reasons(program) == {5: "the robot holds the workpiece and the tool is stationary"}
 
 
 def test_targets_of_a_program_stand_in_the_frames_that_hold_there():
@@ -97,19 +97,19 @@ def test_motions_follow_each_other_as_far_as_code_is_straight():
     ("text", "reason"),
     [
         (b"PTP XP1", "it is not declared in this file"),
-        (b"LIN PTS[2]:OFFS", "its place is computed when the program runs; corrected in the file: PTS[2]"),
+        (b"LIN PTS[2]:OFFS", "its position is computed at run time; corrected in the file: PTS[2]"),
         (
             b"LIN PTS[I]",
-            "which element it is is chosen when the program runs; corrected in the file: PTS[1], PTS[2]",
+            "the element is selected at run time; corrected in the file: PTS[1], PTS[2]",
         ),
-        (b"LIN {X 100}", "it does not say Y, Z, A, B, C; what it does not say stays as it was"),
-        (b"LIN_REL", "it moves relative to where the robot stands"),
+        (b"LIN {X 100}", "it does not give Y, Z, A, B, C; these keep their previous values"),
+        (b"LIN_REL", "it moves relative to the robot's current position"),
         (
             b"CIRC PTS[1],PTS[2]",
-            "an arc runs through points that are no targets; corrected in the file: PTS[1], PTS[2]",
+            "an arc passes through points that are not targets; corrected in the file: PTS[1], PTS[2]",
         ),
-        (b"LIN HERE", "its place is computed when the program runs"),
-        (b"MOVEIT(", "what it does with the target is not seen here; corrected in the file: PTS[1]"),
+        (b"LIN HERE", "its position is computed at run time"),
+        (b"MOVEIT(", "what it does with the target cannot be followed; corrected in the file: PTS[1]"),
     ],
 )
 def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):

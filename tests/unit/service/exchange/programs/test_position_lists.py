@@ -79,10 +79,10 @@ def test_blocks_follow_each_other():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        (b"N40", "it does not say Y, Z, A, B, C; what it does not say stays as it was"),
-        (b"N50", "an arc runs through points that are no targets"),
-        (b"N90", "it moves relative to where the robot stands"),
-        (b"G28", "it goes to a place of the machine"),
+        (b"N40", "it does not give Y, Z, A, B, C; these keep their previous values"),
+        (b"N50", "an arc passes through points that are not targets"),
+        (b"N90", "it moves relative to the robot's current position"),
+        (b"G28", "it moves to a fixed position of the machine"),
     ],
 )
 def test_a_block_that_is_no_target_is_left_alone_and_told(text, reason):
@@ -100,7 +100,7 @@ def test_a_block_behind_a_shifted_zero_is_left_alone():
     program = read("n.nc", b"G92 X0 Y0 Z0\nG1 X1 Y2 Z3 A0 B0 C0\n")
 
     assert program.targets == ()
-    assert reasons(program) == {2: "its zero was shifted in a block before"}
+    assert reasons(program) == {2: "its zero was shifted in an earlier block"}
 
 
 def test_a_dwell_is_no_motion():
@@ -108,9 +108,7 @@ def test_a_dwell_is_no_motion():
 
 
 def test_a_block_with_variables_is_left_alone():
-    assert reasons(read("n.nc", b"G1 X#1 Y2 Z3 A0 B0 C0\n")) == {
-        1: "its place is computed when the program runs"
-    }
+    assert reasons(read("n.nc", b"G1 X#1 Y2 Z3 A0 B0 C0\n")) == {1: "its position is computed at run time"}
 
 
 def test_positions_of_a_job_stand_in_their_frames():
@@ -151,11 +149,14 @@ def test_motions_of_a_job_follow_each_other():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        (b"C00000=-1", "it is in pulses, and the job does not say how many make a degree"),
-        (b"MOVL C00002 V=100.0", "it is displaced when the program runs"),
-        (b"MOVL P[I000]", "which element it is is chosen when the program runs"),
-        (b"IMOV P003", "it moves relative to where the robot stands; corrected in the file: P00003"),
-        (b"MOVC C00002", "an arc runs through points that are no targets"),
+        (
+            b"C00000=-1",
+            "its values are in pulses, and the job does not state the number of pulses per degree",
+        ),
+        (b"MOVL C00002 V=100.0", "it is displaced at run time"),
+        (b"MOVL P[I000]", "the element is selected at run time"),
+        (b"IMOV P003", "it moves relative to the robot's current position; corrected in the file: P00003"),
+        (b"MOVC C00002", "an arc passes through points that are not targets"),
     ],
 )
 def test_what_numbers_cannot_correct_in_a_job_is_left_alone_and_told(text, reason):
@@ -166,7 +167,7 @@ def test_what_numbers_cannot_correct_in_a_job_is_left_alone_and_told(text, reaso
 def test_the_seventh_axis_of_an_arm_is_no_part_of_a_pose():
     data = b"/JOB\n//POS\n///POSTYPE ROBOT\n///RECTAN\nC0=1,2,3,0,0,0,5\n//INST\nEND\n"
 
-    assert "seven axes" in reasons(read("m.jbi", data))[5]
+    assert "a seven-axis arm" in reasons(read("m.jbi", data))[5]
 
 
 def test_points_of_val3_hang_on_frames():
@@ -195,7 +196,7 @@ def test_joints_of_val3_are_configurations():
 
 
 def test_a_point_of_val3_that_does_not_say_all_is_left_alone():
-    assert list(reasons(read("row.dtx")).values()) == ["it does not say y, z, rx, ry, rz"]
+    assert list(reasons(read("row.dtx")).values()) == ["it does not give y, z, rx, ry, rz"]
 
 
 def test_frames_that_hang_on_each_other_have_no_place():

@@ -107,18 +107,18 @@ def test_motions_follow_each_other_as_far_as_code_is_straight():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        (b"MoveJ Offs(pPick", "its place is computed when the program runs; corrected in the file: pPick"),
+        (b"MoveJ Offs(pPick", "its position is computed at run time; corrected in the file: pPick"),
         (
             b"MoveL pRow{i}",
-            "which element it is is chosen when the program runs; corrected in the file: pRow{1}, pRow{2}",
+            "the element is selected at run time; corrected in the file: pRow{1}, pRow{2}",
         ),
-        (b"MoveL pNow", "its place is computed when the program runs"),
+        (b"MoveL pNow", "its position is computed at run time"),
         (
             b"MoveC pPick,pRow{2}",
-            "an arc runs through points that are no targets; corrected in the file: pPick, pRow{2}",
+            "an arc passes through points that are not targets; corrected in the file: pPick, pRow{2}",
         ),
-        (b"MoveL *", "its target is hidden behind *"),
-        (b"place pPick", "what it does with the target is not seen here; corrected in the file: pPick"),
+        (b"MoveL *", "its target is not written out (*)"),
+        (b"place pPick", "what it does with the target cannot be followed; corrected in the file: pPick"),
         (b"MoveL pWhere", "it is an argument of the routine"),
         (b"MoveL pElsewhere", "it is not declared in this file"),
     ],
@@ -148,7 +148,7 @@ def test_a_target_that_only_serves_to_compute_others_is_left_alone():
     program = routine(b"MoveL RelTool(p10,0,0,5),v100,fine,tool0;")
 
     assert program.targets == ()
-    assert reasons(program) == {4: "its place is computed when the program runs"}
+    assert reasons(program) == {4: "its position is computed at run time"}
 
 
 def test_a_target_that_nothing_here_moves_to_is_one_without_frames():
@@ -164,7 +164,7 @@ def test_a_target_in_two_work_objects_is_left_alone():
     assert program.targets == ()
     assert reasons(program)[2] == (
         "it is used with tool0 in wobj0 in line 4 and with tool0 in wB in line 5, and the same numbers "
-        "cannot be right for both"
+        "cannot be correct for both"
     )
 
 
@@ -204,7 +204,7 @@ def test_targets_in_a_work_object_that_the_program_changes_are_left_alone():
         declared=(b"CONST robtarget p10:=" + POSE + b";", wobj),
     )
 
-    assert reasons(program)[6] == "w is changed by the program in line 5"
+    assert reasons(program)[6] == "the program changes w in line 5"
 
 
 def test_a_tool_that_stands_in_the_cell_is_told():
@@ -212,7 +212,7 @@ def test_a_tool_that_stands_in_the_cell_is_told():
 
     program = routine(b"MoveL p10,v100,fine,t;", declared=(b"CONST robtarget p10:=" + POSE + b";", tool))
 
-    assert reasons(program)[5] == "the tool t stands in the cell and the robot holds the work"
+    assert reasons(program)[5] == "the tool t is stationary in the cell and the robot holds the workpiece"
 
 
 def test_names_of_a_routine_are_its_own():
@@ -252,7 +252,7 @@ def test_a_call_with_an_option_is_no_assignment():
     program = routine(b"place p10\\Speed:=v100;")
 
     assert reasons(program) == {
-        4: "what it does with the target is not seen here; corrected in the file: p10"
+        4: "what it does with the target cannot be followed; corrected in the file: p10"
     }
 
 
@@ -279,7 +279,7 @@ def test_targets_whose_numbers_have_names_are_left_alone():
     )
 
     assert program.targets == ()
-    assert reasons(program) == {2: "some of its numbers are computed or have a name"}
+    assert reasons(program) == {2: "some of its numbers are computed or given by name"}
 
 
 def test_an_orientation_that_was_never_taught_is_left_alone():
@@ -287,7 +287,7 @@ def test_an_orientation_that_was_never_taught_is_left_alone():
         declared=(b"CONST robtarget p10:=[[1,2,3],[0,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];",)
     )
 
-    assert reasons(program) == {2: "its orientation is no unit quaternion"}
+    assert reasons(program) == {2: "its orientation is not a unit quaternion"}
 
 
 def test_motions_that_the_program_displaces_are_left_alone():
@@ -295,8 +295,8 @@ def test_motions_that_the_program_displaces_are_left_alone():
 
     assert program.targets == ()
     assert reasons(program) == {
-        4: "it displaces the targets behind it",
-        5: "it is displaced when the program runs",
+        4: "it displaces the targets that follow",
+        5: "it is displaced at run time",
     }
 
 
@@ -337,7 +337,7 @@ def test_a_search_is_told_and_its_target_left_alone():
     program = routine(b"SearchL di1,pFound,p10,v100,tool0;")
 
     assert program.targets == ()
-    assert reasons(program) == {4: "a search stops where its signal comes"}
+    assert reasons(program) == {4: "a search motion stops where its signal arrives"}
 
 
 def test_a_module_without_targets_has_none():

@@ -78,17 +78,20 @@ def test_motions_follow_each_other_as_far_as_code_is_straight():
     [
         (
             b"movel(pose_trans",
-            "its place is computed when the program runs; corrected in the file: pts[0], pts[1]",
+            "its position is computed at run time; corrected in the file: pts[0], pts[1]",
         ),
         (
             b"movel(pts[i])",
-            "which element it is is chosen when the program runs; corrected in the file: pts[0], pts[1]",
+            "the element is selected at run time; corrected in the file: pts[0], pts[1]",
         ),
-        (b"d2r(5)", "its place is computed when the program runs"),
-        (b"movec(", "an arc runs through points that are no targets; corrected in the file: pts[0], pts[1]"),
+        (b"d2r(5)", "its position is computed at run time"),
+        (
+            b"movec(",
+            "an arc passes through points that are not targets; corrected in the file: pts[0], pts[1]",
+        ),
         (b"movel(other)", "it is not declared in this file"),
-        (b"servoj(", "it is steered while the program runs"),
-        (b"grip(", "what it does with the target is not seen here; corrected in the file: pts[0], pts[1]"),
+        (b"servoj(", "its motion is controlled at run time"),
+        (b"grip(", "what it does with the target cannot be followed; corrected in the file: pts[0], pts[1]"),
     ],
 )
 def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
@@ -125,7 +128,7 @@ def test_a_variable_may_be_called_like_the_head_of_a_routine():
 def test_no_depth_of_calls_ends_the_reader():
     program = program_of(f"movej({'get_inverse_kin(' * 40}p[0,0,0,0,0,0]{')' * 40})")
 
-    assert reasons(program) == {2: "its place is computed when the program runs"}
+    assert reasons(program) == {2: "its position is computed at run time"}
     with pytest.raises(UnreadableFileError, match="line 2, column 806: brackets are nested too deep"):
         program_of(f"movej({'get_inverse_kin(' * 5000}p[0,0,0,0,0,0]{')' * 5000})")
 

@@ -168,8 +168,8 @@ def test_the_sentence_says_who_is_held_and_in_how_many_rows(effect):
 
     (sentence,) = map(english, unpredictable(made, replace(stops(), time_s=times)))
 
-    assert sentence.startswith(f"{effect} was followed from the first to the last reading only")
-    assert "3 of 5 rows are earlier or later: it is held there" in sentence
+    assert sentence.startswith(f"{effect} was observed only from the first to the last reading")
+    assert "3 of 5 rows are earlier or later: for these rows it keeps its first or last value" in sentence
 
 
 def test_a_model_that_says_nothing_of_its_campaign_lasted_an_hour():

@@ -68,7 +68,7 @@ def test_a_joint_that_turns_the_other_way_is_named(joint):
 
     # with a free base, joint 1 the other way is the mirror image of all others: either is a right answer
     assert change is not None
-    assert f"joint {joint + 1} turns the other way" in english(change.sentence) or joint == 0
+    assert f"joint {joint + 1} turns in the opposite direction" in english(change.sentence) or joint == 0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -52,7 +52,7 @@ def test_what_moves_nothing_is_named_alone():
     (entry,) = named(np.array([[50.0, 0.0], [0.0, 0.0]]), ["a_3", "a_4"])
 
     assert entry.parameters == ("a_4",)
-    assert "its prior holds it" in english(entry.reason)
+    assert "its value comes from its prior" in english(entry.reason)
 
 
 def test_half_the_prior_width_is_the_border():

@@ -48,8 +48,8 @@ def test_one_impossible_position_leaves_the_model_as_it_is_without_it(campaign, 
     assert values_of(answer) == values_of(without)
     (outlier,) = answer.outliers
     assert (outlier.row, outlier.config) == (ROW, campaign.calibration.stops.config[ROW])
-    assert "no place of the arm gives that" in english(outlier.reason)
-    assert "1 reading that this arm cannot reach was set aside beforehand" in english(answer.message)
+    assert "impossible for this arm" in english(outlier.reason)
+    assert "1 reading beyond the reach of this arm was excluded before the fit" in english(answer.message)
     assert answer.counts.outliers == answer.model.identified_from["readings_without_weight"] == 1
     assert answer.model.identified_from["readings"] == len(campaign.calibration)
 
@@ -104,7 +104,7 @@ def test_a_diagnosis_sets_them_aside_and_says_so(campaign):
 
     assert answer.after.max_mm < 1.0
     assert answer.model.identified_from["readings_without_weight"] == 1
-    assert "1 reading that this arm cannot reach was set aside beforehand" in english(answer.message)
+    assert "1 reading beyond the reach of this arm was excluded before the fit" in english(answer.message)
 
 
 def test_a_reading_without_weight_has_no_part_however_far_off_it_is():
@@ -126,4 +126,6 @@ def test_readings_that_say_nothing_do_not_converge(campaign, u_mm):
     answer = identify(replace(campaign, calibration=coarse), ("base", "geometry"))
 
     assert answer.status is Status.TOO_FEW_DATA
-    assert f"standard uncertainty of {u_mm:.3g} mm each (u_mm) they are too coarse" in english(answer.message)
+    assert f"standard uncertainty of {u_mm:.3g} mm each (u_mm), they are too inaccurate" in english(
+        answer.message
+    )

@@ -122,7 +122,7 @@ def test_better_known_parameters_count_less(shown, identification, campaign):
 def test_an_unverified_scale_is_named_and_not_counted(shown, identification, campaign):
     _, rows = rows_of(shown, identification, campaign)
 
-    row = rows["Scale of the instrument"]
+    row = rows["Instrument scale"]
     assert english(row.stated) == "scale not verified"
     assert (row.before_mm, row.after_mm) == (None, None)
 
@@ -130,15 +130,15 @@ def test_an_unverified_scale_is_named_and_not_counted(shown, identification, cam
 def test_a_verified_scale_counts_with_its_uncertainty(shown, identification, campaign):
     _, rows = rows_of(shown, identification, campaign, scale=1.0, scale_standard_uncertainty=1e-5)
 
-    assert 0.0 < rows["Scale of the instrument"].after_mm < 1e-5 * 2000.0  # no point is 2 m away
+    assert 0.0 < rows["Instrument scale"].after_mm < 1e-5 * 2000.0  # no point is 2 m away
 
 
 def test_noise_of_instrument_and_arm_is_not_counted_twice(shown, identification, campaign):
     _, rows = rows_of(shown, identification, campaign)
 
-    assert english(rows["Instrument, noise"].stated) == "u = 0.010 mm per axis"
-    assert rows["Instrument, noise"].after_mm is None
-    assert rows["Robot, scatter"].after_mm is None
+    assert english(rows["Instrument noise"].stated) == "u = 0.010 mm per axis"
+    assert rows["Instrument noise"].after_mm is None
+    assert rows["Robot repeatability"].after_mm is None
 
 
 def test_a_campaign_without_registration_says_that_errors_are_in_the_instruments_frame(
