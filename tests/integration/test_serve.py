@@ -140,7 +140,7 @@ def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing):
     assert (active["state"], over["state"]) == ("active", "over")
     assert refused.status_code == 422
     assert refused.json()["detail"] == 'The cell refuses that: key "nest" must be 1 to 3, not 9.'
-    assert "A reflector was left out" in get(f"{url}/faults").text
+    assert "Reflector missing" in get(f"{url}/faults").text
 
 
 def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(standing):

@@ -61,7 +61,7 @@ async def test_whoever_uses_it_is_on_record_in_the_chain(client, taken):
 async def test_what_was_never_handed_down_cannot_be_used(client):
     answer = await client.post("/api/v1/hand-downs/7/uses", json={"person": "Alan"})
 
-    assert (answer.status_code, answer.json()["detail"]) == (404, "There is no hand-down 7.")
+    assert (answer.status_code, answer.json()["detail"]) == (404, "There is no deployment 7.")
 
 
 @pytest.mark.parametrize("wrong", [{"kind": "robot"}, {"name": ""}, {"person": ""}, {"document": []}])
@@ -198,7 +198,7 @@ async def test_every_model_that_the_page_shows_is_checked_however_many_came_late
     newest = (await client.get("/hand-downs")).text
     older = (await client.get("/hand-downs?before=2")).text
 
-    assert [text.count("moves the tool by up to") for text in (newest, older)] == [2, 1]
+    assert [text.count("shifts the tool by up to") for text in (newest, older)] == [2, 1]
     assert 'href="/hand-downs?before=2"' in newest
     assert 'type="checkbox" name="accepted_shift_mm"' in older
     assert 'href="/hand-downs?before=' not in older

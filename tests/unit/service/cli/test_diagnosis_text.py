@@ -72,7 +72,7 @@ def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
 
     lines = list(diagnosis_lines(make_unexplained(remaining=left)))
 
-    at = next(k for k, line in enumerate(lines) if line.startswith("Described without a name"))
+    at = next(k for k, line in enumerate(lines) if line.startswith("Modelled empirically"))
     assert lines[at + 1 : at + 3] == [
         "   joint 2 over angle of joint 1: RMS error 0.120 mm without it; tool displacement 0.300 mm on "
         "average, 0.900 mm at most.",
@@ -81,7 +81,7 @@ def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
 
 
 def test_where_nothing_is_described_nothing_is_said_of_it():
-    assert not [line for line in diagnosis_lines(make_unexplained()) if "without a name" in line]
+    assert not [line for line in diagnosis_lines(make_unexplained()) if "Modelled empirically" in line]
 
 
 def test_what_the_first_line_says_of_what_is_left_is_not_said_again():

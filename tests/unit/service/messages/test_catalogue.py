@@ -17,7 +17,7 @@ def test_a_sentence_is_filled_in_with_numbers_names_and_sentences():
         "The zero of joint 3 jumped by 0.0343 deg, 45 min after the first reading; nothing else moved then."
     )
     assert FRENCH.spoken(sentence) == (
-        "Le zéro de l\u2019axe 3 a sauté de 0.0343 deg, 45 min après la première mesure\u00a0; "
+        "Le zéro de l\u2019axe 3 a sauté de 0,0343 deg, 45 min après la première mesure\u00a0; "
         "rien d\u2019autre n\u2019a bougé alors."
     )
 
@@ -90,7 +90,7 @@ def test_a_language_bends_its_names_where_it_must():
 def test_causes_of_a_package_are_called_by_their_names():
     assert FRENCH.effect("acme_friction") == "acme friction"
     assert (IN_ENGLISH.effect("joint_gain"), FRENCH.effect("joint_gain")) == ("joint gain", "gain d\u2019axe")
-    assert IN_ENGLISH.effect("unnamed") == "a cause without a name"
+    assert IN_ENGLISH.effect("unnamed") == "an unnamed cause"
 
 
 def test_an_unknown_language_has_no_catalogue():

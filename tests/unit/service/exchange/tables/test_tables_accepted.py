@@ -116,8 +116,8 @@ def test_a_revisit_of_other_joints_is_reported():
     campaign = read(with_columns("repeat_of", "", "1"))
 
     assert tuple(map(english, campaign.ignored)) == (
-        "calibration.csv: column repeat_of: configuration 2 is not a repeat of 1, whose joints differ by 5 deg"
-        " (cases in total: 1): correct the entry or leave it empty.",
+        "calibration.csv: column repeat_of: configuration 2 is not a repeat of 1, whose joints differ by 5 "
+        "deg (cases in total: 1): correct the entry or leave it empty.",
     )
 
 
