@@ -3,6 +3,7 @@
 import re
 import string
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, cached_property
 from typing import Any, Final
 
@@ -27,7 +28,8 @@ class Catalogue:
 
     def __init__(self, language: str, units: Units = KEPT) -> None:
         self.language = language
-        self.units = units
+        # English is asked for nothing: most commands say one sentence, and load no catalogue for its numbers.
+        self.units = units if language == ENGLISH else replace(units, decimal=self._text("list.decimal"))
         self._formatter = _Formatter(self)
 
     @property

@@ -6,7 +6,7 @@ A shown number is never coarser than the kept one: 0.001 mm is 0.00004 in, one o
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 from typing import Final, Self
@@ -25,6 +25,7 @@ class Conversion:
     symbol: str
     factor: float = 1.0
     offset: float = 0.0
+    decimal: str = "."  # the sign before decimals, in the language of who reads
 
     @property
     def finer(self) -> int:
@@ -37,7 +38,12 @@ class Conversion:
 
     def formatted(self, value: float, spec: str) -> str:
         """Return a kept value as a Python format writes it, with the digits that the shown unit needs."""
-        return format(value, spec) if self.factor == 1.0 else format(self.of(value), self._finer(spec))
+        plain = format(value, spec) if self.factor == 1.0 else format(self.of(value), self._finer(spec))
+        return self.signed(plain)
+
+    def signed(self, number: str) -> str:
+        """Return a number as it is printed with the reader's decimal sign."""
+        return number.replace(".", self.decimal)
 
     def _finer(self, spec: str) -> str:
         match = _FORMAT.fullmatch(spec)
@@ -63,8 +69,8 @@ class ConvertibleNumber(str):
         return made
 
     def shown(self, conversion: Conversion) -> str:
-        """Return the number in another unit."""
-        return self._again(conversion)
+        """Return the number in another unit, with the decimal sign that goes with it."""
+        return conversion.signed(self._again(conversion))
 
 
 _INCH_MM: Final = 25.4  # exactly
@@ -99,11 +105,12 @@ KNOWN: Final = frozenset({"mm", "um", "\N{MICRO SIGN}m", "mm/h", "mm/s", "deg", 
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What a reader chose, one of each of `CHOICES`."""
+    """What a reader chose, one of each of `CHOICES`, and the decimal sign of the reader's language."""
 
     length: str = "mm"
     angle: str = "deg"
     temperature: str = "c"
+    decimal: str = "."
 
     @classmethod
     def of(cls, tokens: Iterable[str]) -> Self:
@@ -123,6 +130,9 @@ class Units:
 
     def conversion(self, unit: str) -> Conversion:
         """Return how a kept unit is shown; that of ratios, seconds or torques is shown as it is kept."""
+        return replace(self._conversion(unit), decimal=self.decimal)
+
+    def _conversion(self, unit: str) -> Conversion:
         if unit == "deg/K":
             return _DEGREES_PER_K.get((self.angle, self.temperature), Conversion(unit))
         kept = Conversion(_PRINTED.get(unit, unit))

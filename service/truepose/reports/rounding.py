@@ -111,7 +111,7 @@ def exact(value: float, unit: str = "") -> str:
 
 def _signed(text: str) -> str:
     """Return the number without the sign of a zero."""
-    return text.removeprefix("-") if not text.strip("-0.") else text
+    return text.removeprefix("-") if not text.strip("-0.,") else text
 
 
 def decimals_of(standard_uncertainty: float) -> int:
@@ -126,6 +126,6 @@ def _scientific(value: float, standard_uncertainty: float) -> str:
     return f"{value / 10.0**exponent:.{decimals}f}e{exponent:+03d}"
 
 
-def p_value(probability: float) -> str:
-    """Return a p-value; what is too small to mean a digit is said to be small."""
-    return "< 0.0001" if probability < 1e-4 else f"{probability:.2g}"
+def p_value(probability: float, equals: str = "") -> str:
+    """Return a p-value behind `equals`; of one that is too small to mean a digit, that it is smaller."""
+    return ConvertibleNumber(lambda _: "< 0.0001" if probability < 1e-4 else f"{equals}{probability:.2g}")

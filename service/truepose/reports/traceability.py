@@ -12,6 +12,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.cell import Artefact, length_at
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, Text, message
+from truepose.messages.units import ConvertibleNumber
 from truepose.reports.rounding import format_rounded, millimetres, uncertainty_mm
 
 
@@ -165,7 +166,7 @@ def scale_sentence(conditions: ReportConditions) -> Message:
 
 
 def _signed(value: float) -> str:
-    return f"{'-' if value < 0.0 else '+'} {abs(value):.2g}"
+    return ConvertibleNumber(lambda _: f"{'-' if value < 0.0 else '+'} {abs(value):.2g}")
 
 
 def _quantity(value: float | None, unit: str, words: Catalogue) -> str:

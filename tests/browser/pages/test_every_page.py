@@ -11,6 +11,7 @@ from tests.browser.pages.house import OF_LINKS, SIGNED_IN, open_house
 from tests.browser.pages.looks import LOOKS, Traffic, sticking_out, too_small, violations
 from tests.browser.pages.shop import open_shop, pages
 from tests.browser.windows import without_complaint
+from tests.helpers.machine import HANGS_S
 
 TABLET, PHONE = {"width": 1180, "height": 820}, {"width": 390, "height": 844}
 HEAVIEST = 400_000  # bytes
@@ -79,6 +80,27 @@ def test_so_can_the_page_on_which_the_first_person_is_entered(chromium, shop):
 
     with opened(chromium, shop, shop + way) as shown:
         assert_held(*shown)
+
+
+POINT_IN_A_CELL = re.compile(r'class="n">[^<\w]*\d+\.\d[^<]*|>[^<\w]*\d+\.\d+</text>')
+
+
+def read_in(language, address):
+    asked = {"Accept-Language": language}
+    return httpx.get(address, headers=asked, trust_env=False, timeout=HANGS_S)
+
+
+@pytest.mark.parametrize("language", ["de", "es", "fr"])
+def test_tables_and_figures_have_the_decimal_comma_of_their_language(shop, language):
+    told = {}
+    for address in pages():
+        page = read_in(language, shop + address)
+        told[address] = POINT_IN_A_CELL.findall(page.text)
+
+    assert {address: found for address, found in told.items() if found} == {}
+    report = read_in(language, f"{shop}/reports/identification/1")
+    assert re.search(r"\d,\d+</text>", report.text)
+    assert re.search(r'class="n">\d,\d', report.text)
 
 
 def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):

@@ -164,7 +164,7 @@ def map_picture(found: CauseMap, words: Catalogue = IN_ENGLISH) -> Markup:
         for cell in found.cells:
             _picture_of_cell(axes, found, cell)
         figure.legend(handles=_legend(found, words), loc="outside upper left", ncols=4)
-        return to_svg(figure, "map", words.say("map"))
+        return to_svg(figure, "map", words.say("map"), words)
 
 
 def _grid(axes: Axes, found: CauseMap, words: Catalogue) -> None:

@@ -265,4 +265,4 @@ def spectrum_picture(spectrum: Spectrum, prefix: str, words: Catalogue = IN_ENGL
         axes.set_xlabel(words.say("spectrum.order"))
         axes.set_ylabel(words.say("spectrum.amplitude_deg"))
         figure.legend(loc="outside upper left", ncols=2)
-        return to_svg(figure, prefix, words.say("spectrum"))
+        return to_svg(figure, prefix, words.say("spectrum"), words)

@@ -209,7 +209,10 @@ def _origin(model: Model, words: Catalogue) -> Iterator[tuple[str, str | int]]:
     """Yield what the model says of its readings beside their name, in words."""
     told = model.identified_from.items()
     return (
-        (words.name(name.replace("_", " ")), f"{said:,.3f}" if isinstance(said, float) else said)
+        (
+            words.name(name.replace("_", " ")),
+            words.units.formatted(said, ".3f", "") if isinstance(said, float) else said,
+        )
         for name, said in told
         if name != _CAMPAIGN
     )
@@ -302,4 +305,4 @@ def gains(findings: tuple[Finding, ...], words: Catalogue = IN_ENGLISH) -> Marku
         axes.grid(axis="y", visible=False)
         mark_axis(axes.xaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("gains.axis"))
-        return to_svg(figure, "gains", words.say("gains"))
+        return to_svg(figure, "gains", words.say("gains"), words)

@@ -40,7 +40,7 @@ def tangential_figure(one: JointCircle, words: Catalogue) -> Markup:
         axes.set_xlabel(words.say("circles.figure.angle", joint=one.joint))
         axes.set_ylabel(words.say("circles.head.error"))
         axes.legend()
-        return to_svg(figure, f"circle-{one.joint}-{one.nest}", title)
+        return to_svg(figure, f"circle-{one.joint}-{one.nest}", title, words)
 
 
 def _draw_way(axes: Axes, one: JointCircle, rows: BoolArray, colour: str, name: str) -> None:
@@ -68,7 +68,7 @@ def radial_figure(sphere: Sphere, called: Callable[[str], str], words: Catalogue
         axes.set_xlabel(words.say("sphere.figure.stop"))
         axes.set_ylabel(words.say("sphere.figure.error"))
         axes.legend()
-        return to_svg(figure, f"sphere-{sphere.placement}-{sphere.base_point}", title)
+        return to_svg(figure, f"sphere-{sphere.placement}-{sphere.base_point}", title, words)
 
 
 def _draw_model(axes: Axes, one: SphereOfModel, colour: str, name: str) -> None:
@@ -103,7 +103,7 @@ def drift_figure(drift: Drift, words: Catalogue) -> Markup:
         axes.set_ylabel(words.units.conversion("mm").symbol)
         mark_axis(axes.yaxis, words.units.conversion("mm"))
         axes.legend()
-        return to_svg(figure, "drift", words.say("pose_test.drift"))
+        return to_svg(figure, "drift", words.say("pose_test.drift"), words)
 
 
 def _band(

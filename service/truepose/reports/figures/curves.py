@@ -21,7 +21,7 @@ _STEEP: Final = 20.0  # times the error at the end: what follows would lie on th
 
 def promise_curve(plan: PromisedPlan, words: Catalogue = IN_ENGLISH) -> Markup:
     """Return the curve of a plan, its band and the number that is planned, for a page."""
-    return on_page(partial(_draw_promise, plan, words), "promise", words.say("plans.figure"))
+    return on_page(partial(_draw_promise, plan, words), "promise", words.say("plans.figure"), words)
 
 
 def plain_promise_curve(plan: PromisedPlan) -> Drawing:
@@ -66,7 +66,7 @@ def reach_figure(
 ) -> Markup:
     """Draw sizes of errors (n,) over the distance from axis 1 (n,); of many an even selection."""
     draw = partial(_draw_reach, reach_mm, before_mm, after_mm, words)
-    return on_page(draw, "reach", words.say("reach.picture"))
+    return on_page(draw, "reach", words.say("reach.picture"), words)
 
 
 def _draw_reach(
@@ -93,7 +93,9 @@ def _draw_reach(
 
 def place_errors(places: ErrorsByPlace, words: Catalogue = IN_ENGLISH) -> Markup:
     """Draw the errors over both distances on logarithmic axes: before and after differ by decades."""
-    return on_page(partial(_draw_place_errors, places, words=words), "places", words.say("places.picture"))
+    return on_page(
+        partial(_draw_place_errors, places, words=words), "places", words.say("places.picture"), words
+    )
 
 
 def plain_place_errors(places: ErrorsByPlace) -> Drawing:

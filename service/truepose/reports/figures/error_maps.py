@@ -84,7 +84,7 @@ def _in_space(
             axes = figure.add_subplot(1, 2, column, projection="3d")
             _space_panel(axes, points, vectors, colour, words)
             axes.set_title(words.say("space.larger", name=words.say(name), times=scale))
-        return to_svg(figure, "space", words.say("space.picture"))
+        return to_svg(figure, "space", words.say("space.picture"), words)
 
 
 def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str, words: Catalogue) -> None:
@@ -109,7 +109,7 @@ def views(points: FloatArray, vectors: FloatArray, ident: str, words: Catalogue)
             _view(axes, points[:, [across, up]], vectors[:, [across, up]])
             axes.set_title(words.say(name))
             name_axes(axes, words, "xyz"[across], "xyz"[up])
-        return to_svg(figure, ident, words.say("space.views"))
+        return to_svg(figure, ident, words.say("space.views"), words)
 
 
 def _view(axes: Axes, points: FloatArray, vectors: FloatArray) -> None:
@@ -149,7 +149,9 @@ def shift_map(targets: CorrectedTargets, words: Catalogue) -> ShiftMap | None:
             _view(axes, place[:, [across, up]], scale * shift[:, [across, up]])
             axes.set_title(words.say(name))
             name_axes(axes, words, "xyz"[across], "xyz"[up])
-        return ShiftMap(to_svg(figure, "shifts", words.say("shifts.picture")), scale, len(rows), len(known))
+        return ShiftMap(
+            to_svg(figure, "shifts", words.say("shifts.picture"), words), scale, len(rows), len(known)
+        )
 
 
 _MOST_VECTORS = 250
@@ -238,7 +240,7 @@ def _picture(
         mark_axis(axes.yaxis, shown)
     if large_mm is None:
         _scale_bar(grid[0][0], limits, scale, words)
-    return to_svg(figure, "maps", words.say("maps"))
+    return to_svg(figure, "maps", words.say("maps"), words)
 
 
 def _frame(axes: Axes, limits: FloatArray, across: int, up: int) -> None:

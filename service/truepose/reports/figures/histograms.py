@@ -52,7 +52,7 @@ def histogram(judged: Assessment, noise_mm: float, words: Catalogue = IN_ENGLISH
     before, after = _norms(judged)
     edges = _edges_of_sizes(np.concatenate([before, after]))
     draw = partial(_draw_errors, before, after, noise_mm, words)
-    picture = on_page(draw, "histogram", words.say("histogram"))
+    picture = on_page(draw, "histogram", words.say("histogram"), words)
     return SizeHistogram(picture, noise_drawn=bool(noise_mm > edges[0]))
 
 
@@ -114,7 +114,7 @@ def comparison(
     end = _end(np.concatenate([before_mm, after_mm]))
     beyond = int((before_mm > end).sum() + (after_mm > end).sum())
     draw = partial(_draw_comparison, before_mm, after_mm, noise_mm, words)
-    return on_page(draw, "comparison", words.say("comparison")), beyond
+    return on_page(draw, "comparison", words.say("comparison"), words), beyond
 
 
 def plain_comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> Drawing:
@@ -149,7 +149,9 @@ def _end(norms: FloatArray) -> float:
 
 def distance_histogram(errors: DistanceErrors, words: Catalogue = IN_ENGLISH) -> Markup:
     """Draw both histograms, each over an axis of its own: they differ by decades."""
-    return on_page(partial(_draw_distances, errors, words=words), "distances", words.say("distances.picture"))
+    return on_page(
+        partial(_draw_distances, errors, words=words), "distances", words.say("distances.picture"), words
+    )
 
 
 def plain_distance_histogram(errors: DistanceErrors) -> Drawing:

@@ -69,7 +69,7 @@ def joint_residuals(judged: Assessment, words: Catalogue = IN_ENGLISH) -> JointR
         figure.supylabel(words.say("joints.residual"), fontsize=9)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=4, markerscale=_LEGEND_SCALE)
-        picture = to_svg(figure, "joints", words.say("joints.picture"))
+        picture = to_svg(figure, "joints", words.say("joints.picture"), words)
         return JointResiduals(picture, guides, noise_mm > 0.0)
 
 

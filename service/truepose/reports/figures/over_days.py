@@ -70,7 +70,7 @@ def course_figure(
         mark_axis(axes.yaxis, conversion)
         if len(courses) > 1:
             figure.legend(loc="outside upper left", ncols=len(courses))
-        return to_svg(figure, ident, description)
+        return to_svg(figure, ident, description, words)
 
 
 def _days(axes: Axes, when: IntArray) -> None:
@@ -123,7 +123,7 @@ def growth_figure(growth: Growth, ident: str, description: str, words: Catalogue
         axes.set_ylabel(label(words.say("fleet.course.size"), _LABEL, printed_unit(conversion.symbol)))
         mark_axis(axes.yaxis, conversion)
         figure.legend(loc="outside upper left", ncols=2)
-        return to_svg(figure, ident, description)
+        return to_svg(figure, ident, description, words)
 
 
 def _end(growth: Growth) -> float:

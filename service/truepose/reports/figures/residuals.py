@@ -78,7 +78,7 @@ def residual_curve(
     if shown is None:
         return None
     described = words.say("curve", quantity=curve.quantity, variable=curve.variable)
-    picture = on_page(partial(_drawn, shown, words, of_cause=of_cause), prefix, described)
+    picture = on_page(partial(_drawn, shown, words, of_cause=of_cause), prefix, described, words)
     drawn, counts = bool(shown.curve.line_x.size), _counts(shown.curve)
     caption = words.spoken(together(*_caption(shown, words, of_cause=of_cause)))
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)

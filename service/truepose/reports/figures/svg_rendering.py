@@ -123,6 +123,7 @@ _SETTINGS: Final = threading.Lock()
 _MARKS: Final = 5  # of an axis in another unit, at most
 _MARKS_OF_DECADES: Final = 18
 _LONGEST_UNIT = 16  # letters
+_NUMBER_ALONE: Final = r"(>[-\N{MINUS SIGN}]?\d+)\.(\d+</text>)"  # what an axis is marked with
 _PIXELS_PER_IN: Final = 150  # of a matrix, which is drawn as pixels within the SVG
 _EAST_ASIAN: Final = (
     "Noto Sans CJK SC",
@@ -196,7 +197,7 @@ def new_figure(width_in: float, height_in: float) -> Drawing:
     return Drawing(figsize=(width_in, height_in), layout="constrained")
 
 
-def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
+def to_svg(figure: Figure, prefix: str, description: str, words: Catalogue) -> Markup:
     """Return the figure as an inline `<svg>`; `prefix` keeps its ids apart from other figures'."""
     buffer = io.StringIO()
     _write_svg(figure, buffer)
@@ -210,6 +211,7 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = joined_shapes(text)
+    text = re.sub(_NUMBER_ALONE, rf"\g<1>{words.units.decimal}\g<2>", text)
     # Fixed sizes would overflow a phone: the page decides the width, the view box the proportions.
     text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
     text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img" stroke-linejoin="round"', text, count=1)
@@ -217,10 +219,10 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     return Markup(text)
 
 
-def on_page(draw: Callable[[Colours], Drawing], prefix: str, description: str) -> Markup:
+def on_page(draw: Callable[[Colours], Drawing], prefix: str, description: str, words: Catalogue) -> Markup:
     """Return what is drawn in the colours of the page, as `to_svg` does."""
     with page_style():
-        return to_svg(draw(PAGE), prefix, description)
+        return to_svg(draw(PAGE), prefix, description, words)
 
 
 def plain(draw: Callable[[Colours], Drawing]) -> Drawing:

@@ -81,7 +81,9 @@ def observability_figure(
     """Draw the worst known parameters; None where there is none to draw."""
     if not found:
         return None
-    return on_page(partial(_bars, found[:_MOST], words), "observability", words.say("observability.picture"))
+    return on_page(
+        partial(_bars, found[:_MOST], words), "observability", words.say("observability.picture"), words
+    )
 
 
 def _bars(found: Sequence[DeterminedParameter], words: Catalogue, colours: Colours) -> Drawing:
@@ -145,7 +147,7 @@ def correlation_map(model: Model, words: Catalogue = IN_ENGLISH) -> Markup | Non
         axes.tick_params(length=0)
         axes.grid(visible=False)
         no_spines(axes)
-        return to_svg(figure, "correlation", words.say("correlation.picture"))
+        return to_svg(figure, "correlation", words.say("correlation.picture"), words)
 
 
 def _coloured(matrix: FloatArray) -> FloatArray:

@@ -73,7 +73,7 @@ def _truth_row(parameter: TrueParameter, words: Catalogue) -> tuple[str, ...]:
         format_rounded(parameter.true, u, unit),
         uncertainty(u, unit),
         printed_unit(words.units.conversion(unit).symbol),
-        f"{ratio:+.1f}" if math.isfinite(ratio) else MISSING,
+        words.units.formatted(ratio, "+.1f", "") if math.isfinite(ratio) else MISSING,
     )
 
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
+from functools import partial
 from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query
@@ -123,7 +124,7 @@ async def handed_down_page(visit: Visited, before: Before = None) -> HTMLRespons
         older=shown[-1].id if len(found) > _HANDED_DOWN else None,
         checks=checks,
         moment=moment,
-        joints=_joints,
+        joints=partial(_joints, words=visit.words),
     )
 
 
@@ -140,8 +141,9 @@ def _check(record: HandedDownRecord, cell: Cell, words: Catalogue) -> HandedMode
         return words.spoken(text_of(error))
 
 
-def _joints(handed: HandedModel) -> str:
-    return ", ".join(f"{math.degrees(angle):.1f}°" for angle in handed.shift.joints_rad)
+def _joints(handed: HandedModel, words: Catalogue) -> str:
+    angles = (words.units.formatted(math.degrees(angle), ".1f", "") for angle in handed.shift.joints_rad)
+    return ", ".join(f"{angle}°" for angle in angles)
 
 
 _WHEN: Final = {"from_s", "configuration", "move", "reading", "after_s", "for_s", "until_s", "count"}
