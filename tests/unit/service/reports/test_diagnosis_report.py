@@ -164,7 +164,7 @@ def test_without_a_model_nothing_is_claimed(pages):
 def test_a_finding_states_its_numbers_with_uncertainty_and_unit():
     text = page_of(plain()).text
 
-    assert "Amplitude ± standard uncertainty 0.0293 ± 0.0019 deg amplitude of the wave: half of peak" in text
+    assert "Amplitude ± standard uncertainty 0.0293 ± 0.0019 deg half the peak-to-peak value" in text
     assert "95 % interval of the amplitude 0.0256 to 0.0330 deg" in text  # 0.0293 -+ 1.96 * 0.0019
     assert "Improvement, held out 0.0223 mm (95 % interval 0.0171 to 0.0282 mm)" in text
     assert "reduction of the RMS held-out error" in text
