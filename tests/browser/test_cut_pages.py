@@ -17,7 +17,7 @@ def test_a_job_is_followed_to_its_end_whatever_is_cut_meanwhile(service, chromiu
         page.goto(f"{service.url}/sessions/new")
         page.route("**/api/v1/jobs/*", lambda route: route.abort(), times=2)
 
-        page.locator("#iso9283").get_by_role("button", name="Plan it").click()
+        page.locator("#iso9283").get_by_role("button", name="Plan test").click()
 
         expect(page.locator("#state")).to_have_text("planned", timeout=20_000)
 

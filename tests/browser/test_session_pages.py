@@ -26,7 +26,7 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     tablet.goto(f"{service.url}/sessions/new")
     form = tablet.locator("#iso9283")
     with tablet.expect_request("**/api/v1/sessions") as asked:
-        form.get_by_role("button", name="Plan it").click()
+        form.get_by_role("button", name="Plan test").click()
     expect(tablet.locator("#state")).to_have_text("planned")
     tablet.get_by_role("button", name="Start").click()
     expect(tablet.get_by_label("Your name")).to_be_focused()  # nothing moves without a name
@@ -36,7 +36,7 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     tablet.get_by_role("button", name="The cell is clear").click()
 
     expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
-    expect(tablet.locator("main, aside").get_by_role("button", name="End the session")).to_have_count(0)
+    expect(tablet.locator("main, aside").get_by_role("button", name="Abort the session")).to_have_count(0)
     expect(tablet.get_by_role("link", name="See the result")).to_be_visible()
     body = asked.value.post_data_json
     whole = {"method": "iso9283", "test": "poses", "plane": "y+", "cycles": 30, "hours": 8}
@@ -48,7 +48,7 @@ def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(servi
     tablet.goto(f"{service.url}/sessions/new")
     form = tablet.locator("#sphere")
 
-    form.get_by_role("button", name="Plan it").click()
+    form.get_by_role("button", name="Plan test").click()
     expect(form.get_by_label("Fixture, x")).to_be_focused()  # the browser asks for what is needed
     for label, value in (("Fixture, x", "350"), ("Fixture, y", "-150"), ("Fixture, z", "150")):
         form.get_by_label(label).fill(value)
@@ -56,7 +56,7 @@ def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(servi
     tablet.route("**/api/v1/sessions", lambda route: route.fulfill(json=made))
     tablet.route("**/sessions/1", lambda route: route.fulfill(body="the session"))
     with tablet.expect_request("**/api/v1/sessions") as asked:
-        form.get_by_role("button", name="Plan it").click()
+        form.get_by_role("button", name="Plan test").click()
     expect(tablet.get_by_text("the session")).to_be_visible()
 
     place = {"x_mm": 350, "y_mm": -150, "z_mm": 150, "rx_deg": 0, "ry_deg": 0, "rz_deg": 0}
@@ -72,7 +72,7 @@ def test_what_the_service_refuses_is_said_at_the_form(service, chromium):
         form = page.locator("#iso9283")
 
         form.get_by_label("Centre, x").fill("300")
-        form.get_by_role("button", name="Plan it").click()
+        form.get_by_role("button", name="Plan test").click()
 
         expect(form.get_by_role("status")).to_contain_text("centre_mm")
         assert page.url.endswith("/sessions/new")
@@ -98,7 +98,7 @@ def test_another_tracker_is_accepted_by_the_number_that_a_person_types(service, 
 
     tablet.get_by_label("Serial number of the tracker that you accept").fill("42")
     with tablet.expect_request("**/commands") as asked:
-        tablet.get_by_role("button", name="The cell is clear: go on").click()
+        tablet.get_by_role("button", name="The cell is clear: continue").click()
 
     said = asked.value.post_data_json
     assert said.pop("pressed_at_s") <= time.monotonic()
@@ -126,7 +126,7 @@ def test_a_calibration_is_planned_beside_its_promise_and_identified_by_one_tap(s
 
     tablet.goto(f"{service.url}/plan?n=30")
     with tablet.expect_request("**/api/v1/sessions") as asked:
-        tablet.get_by_role("button", name="Plan it").click()
+        tablet.get_by_role("button", name="Plan test").click()
     expect(tablet.locator("#state")).to_have_text("planned")
     expect(tablet.get_by_role("button", name="Identify")).to_have_count(0)
     tablet.get_by_label("Your name").fill("Ada Byron")

@@ -139,7 +139,7 @@ def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing):
     assert (active["kind"], active["keys"], active["person"]) == ("smr_missing", {"nest": 2}, "Ada")
     assert (active["state"], over["state"]) == ("active", "over")
     assert refused.status_code == 422
-    assert refused.json()["detail"] == 'The cell refuses that: key "nest" must be 1 to 3, not 9.'
+    assert refused.json()["detail"] == 'The cell refused this: key "nest" must be 1 to 3, not 9.'
     assert "Reflector missing" in get(f"{url}/faults").text
 
 

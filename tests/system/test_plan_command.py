@@ -66,7 +66,7 @@ def test_people_read_the_promise_its_knee_and_what_it_rests_on():
     printed = plan("abb-irb-120").stdout
 
     assert "promise a mean error of" in printed
-    assert "The curve has its knee at" in printed
+    assert "The knee of the curve is at" in printed
     assert "the parameters describe wholly" in printed
 
 

@@ -63,7 +63,7 @@ async def soon(condition):
 
 
 async def test_a_task_that_needs_more_memory_than_it_is_given_is_refused_with_a_sentence():
-    with pytest.raises(TaskRefusedError, match="needs more than the 512 MB of memory that it is given"):
+    with pytest.raises(TaskRefusedError, match="needs more than the 512 MB of memory allowed"):
         await perform_in_worker(Hoard(600), nobody, memory_bytes=512 * MB)
 
 

@@ -111,7 +111,7 @@ async def test_a_fault_of_the_program_is_told_as_one():
 
 async def test_a_worker_that_dies_is_told_with_its_last_words():
     with pytest.raises(
-        WorkerDiedError, match="ended with status 7 before it answered; it last said: last words"
+        WorkerDiedError, match="ended with status 7 before it answered; its last message was: last words"
     ):
         await perform_in_worker(Die(7), nobody)
 

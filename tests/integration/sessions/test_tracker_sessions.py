@@ -213,6 +213,6 @@ async def test_only_a_planned_session_starts(scene):
     session_id = await scene.planned()
     await scene.ledger.append(session_id, entered(SessionState.ABORTED, "ended"))
 
-    with pytest.raises(NotNowError, match=r"Session 1 is aborted; only a planned one starts\."):
+    with pytest.raises(NotNowError, match=r"Session 1 is aborted; only a planned session can be started\."):
         await scene.start(session_id)
     assert scene.runners == []

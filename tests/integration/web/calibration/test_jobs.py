@@ -297,7 +297,7 @@ async def test_a_result_waits_for_a_disk_that_refuses_and_is_kept_when_it_takes_
         waiting = await until(
             path,
             "message",
-            "What is to be kept of it waits in memory until records are taken again. The disk is full.",
+            "Its result is held in memory until the database accepts records again. The disk is full.",
         )
         refused = await client.post(f"{path}/cancel")
     ended = await until(path, "state", "succeeded", "failed", "cancelled")

@@ -65,7 +65,7 @@ async def test_what_did_not_finish_is_not_closed_as_calibrated(client):
     disclaimed = await close(client, path, closed_as="not calibrated")
 
     assert going_on.status_code == 409
-    assert "it is closed when it has ended" in going_on.json()["detail"]
+    assert "close it when it has" in going_on.json()["detail"]
     assert broken_off.status_code == 409
     assert disclaimed.status_code == 201
 

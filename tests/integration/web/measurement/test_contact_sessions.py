@@ -163,5 +163,5 @@ async def test_its_page_stands_where_those_of_all_sessions_do(client):
     listed = await client.get("/sessions")
 
     assert page.status_code == 200
-    assert "Yes: go on" in page.text
+    assert "Yes: continue" in page.text
     assert "closed loops" in listed.text

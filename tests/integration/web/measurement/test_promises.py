@@ -72,12 +72,12 @@ class TestAPageThatTakesItsTime:
         assert "Expected accuracy after calibration" in early.text
         assert 'aria-busy="true"' in early.text
         assert "/static/drawn.js" in early.text
-        assert "30 configurations promise a mean error of" in whole.text
+        assert "Predicted mean error with 30 configurations" in whole.text
         assert "<svg" in whole.text
         assert 'href="/plan?n=50"' in whole.text
         assert "*30" in whole.text
         assert "The star marks the current plan" in whole.text
-        assert "knee: ten more gain less than a tenth" in whole.text  # where it is not what is planned
+        assert "knee: ten more reduce the error by less than a tenth" in whole.text  # where it is not what is planned
         assert again.text == whole.text
 
 

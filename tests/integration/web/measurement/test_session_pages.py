@@ -56,7 +56,7 @@ async def test_a_finished_session_leads_to_its_result_and_a_planned_one_waits_fo
     assert f"/sessions/{finished}/result" in links(shown)
     assert "Every configuration was measured or skipped." in shown.text
     assert not [link for link in links(waiting) if link.endswith("/result")]
-    assert "Start: asks before anything moves" in Page(waiting.text).text
+    assert "Start (asks before anything moves)" in Page(waiting.text).text
 
 
 def asked(reply):
@@ -80,7 +80,7 @@ async def test_readings_for_an_identification_have_no_result_page(client, sessio
     reply = await client.get(f"/sessions/{await session()}/result")
 
     assert reply.status_code == 404
-    assert "the readings of this session are for an identification" in reply.text
+    assert "The readings of this session serve an identification" in reply.text
 
 
 async def test_without_a_model_the_result_says_what_is_missing(client, session):
@@ -90,7 +90,7 @@ async def test_without_a_model_the_result_says_what_is_missing(client, session):
     document = await client.get(f"/api/v1/sessions/{number}/accuracy")
 
     assert (reply.status_code, document.status_code) == (409, 409)
-    assert "There is no model of ABB IRB 120 yet" in reply.text
+    assert "ABB IRB 120 has no model yet" in reply.text
     assert document.json()["detail"] in Page(reply.text).text
 
 
@@ -119,7 +119,7 @@ async def test_the_forms_ask_for_validation_and_a_proof_for_a_model(client):
     assert [body for body in bodies if "iso9283" in body]
     assert [body for body in bodies if "circles" in body]
     assert not [body for body in bodies if "prove" in body]  # there is nothing to prove yet
-    assert "There is no model of ABB IRB 120 yet: calibrate it first." in Page(reply.text).text
+    assert "ABB IRB 120 has no model yet: calibrate it first." in Page(reply.text).text
 
 
 async def test_the_newest_model_of_this_robot_stands_behind_those_of_others(app):

@@ -64,9 +64,9 @@ async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_
 
     first, second = questions
     assert first.startswith(
-        "No session of this robot has finished here. By its dry run this one has 3 config"
+        "No session of this robot has finished here yet. According to the dry run, this one has 3 config"
     )
-    assert "at 250 mm/s at most until one has finished" in first
+    assert "at 250 mm/s at most until one session has finished" in first
     assert second.startswith("The robot is about to move.")
     assert (speeds[0], speeds[-1]) == (250.0, 500.0)
 
@@ -186,7 +186,7 @@ async def test_a_device_under_a_session_is_not_disconnected(client, bench):
     refused = await client.post("/api/v1/devices/tracker/disconnect")
 
     assert refused.status_code == 409
-    assert "Session 1 holds the device 'tracker'" in refused.json()["detail"]
+    assert "Session 1 is using the device 'tracker'" in refused.json()["detail"]
 
 
 @pytest.mark.parametrize("action", ["pause", "resume", "confirm"])

@@ -117,7 +117,7 @@ async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, be
     started = await command(client, planned.headers["Location"], "start")
 
     assert planned.json()["notes"] == []
-    assert "from where the arm stands to the approach to configuration 1" in started.json()["sentence"]
+    assert "from the present position of the arm to the approach to configuration 1" in started.json()["sentence"]
     assert DEPTH in started.json()["sentence"]
 
 
@@ -162,7 +162,7 @@ async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, be
     question = (await client.get(path)).json()["prompt"]["message"]
 
     assert "tool nest 2 would be 75 mm below floor or table" in added.json()["sentence"]
-    assert "from where the arm stands to the approach to configuration 2" in question
+    assert "from the present position of the arm to the approach to configuration 2" in question
     assert "tool nest 2 would be 75 mm below floor or table" in question
 
 
@@ -192,7 +192,7 @@ async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(setting
         refused = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BELOW))
 
     assert refused.status_code == 409
-    assert "The stop of step placement-1/pose-2/move cannot be: tool nest" in refused.json()["detail"]
+    assert "The target of step placement-1/pose-2/move is not possible: tool nest" in refused.json()["detail"]
 
 
 async def test_a_way_through_a_floor_that_is_stated_since_is_refused_at_the_start(settings, bench):

@@ -118,7 +118,7 @@ async def test_one_acts_and_another_takes_over_by_saying_so(ada, alan, started):
 
     refused = await command(ada, path, "confirm", prompt_id=prompt, person=None)
     assert (refused.status_code, refused.json()["type"]) == (409, "urn:truepose:problem:authority")
-    assert "Alan Turing acts in session 1" in refused.json()["detail"]
+    assert "Alan Turing has control of session 1" in refused.json()["detail"]
     assert (await ada.put(f"{path}/authority", json={})).status_code == 409
     assert (await ada.put(f"{path}/authority", json={"take_over": True})).json()["mine"] is True
 

@@ -217,7 +217,7 @@ def test_a_plan_to_calibrate_promises_an_accuracy_and_draws_it(tmp_path):
     plan = tp.plan("abb-irb-120", 30)
 
     assert plan.promise.promised.n == 30
-    assert "30 configurations promise a mean error of" in plan._repr_html_()
+    assert "Predicted mean error with 30 configurations" in plan._repr_html_()
     frame = plan.curve_to_frame()
     assert isinstance(frame, pandas.DataFrame)
     assert list(frame["n"]) == sorted(frame["n"])

@@ -164,7 +164,7 @@ def test_a_stop_inside_a_volume_is_named_with_body_and_volume():
     refused = first_obstruction(bodies_of(cell), reaching, None)
 
     assert first_obstruction(bodies_of(STATED), reaching, None) is None
-    assert english(refused).startswith("The stop at configuration 2 cannot be")
+    assert english(refused).startswith("Configuration 2 is not possible")
     assert english(refused).endswith("inside the keep-out volume conveyor.")
 
 

@@ -165,7 +165,7 @@ def test_above_a_floor_that_nobody_states_the_way_is_spoken_of_and_not_refused()
     told = path_warnings(bodies_of(CELL), ways)
     assert "assumed floor" in english(told)
     assert "76 mm below floor or table" in english(told)
-    assert "Nor do 2 other ways." in english(told)
+    assert "Nor do 2 other paths." in english(told)
 
 
 @pytest.mark.parametrize("offset_rad", [OFFSET, None])
@@ -184,8 +184,8 @@ def test_ways_are_those_that_a_session_goes(offset_rad):
 def test_from_where_the_arm_stands_leads_one_way_more():
     ways = ways_between(planned(BEYOND), None, here_rad=np.radians(BEFORE))
 
-    assert tuple(map(english, ways.names)) == ("from where the arm stands to configuration 1",)
-    assert "from where the arm stands" in english(path_warnings(bodies_of(CELL), ways))
+    assert tuple(map(english, ways.names)) == ("from the present position of the arm to configuration 1",)
+    assert "from the present position of the arm" in english(path_warnings(bodies_of(CELL), ways))
 
 
 def test_many_ways_at_once_are_judged_as_each_by_itself():

@@ -87,7 +87,7 @@ async def test_a_ballbar_that_reads_a_length_keeps_the_arm_where_it_is():
 
     records = Records()
 
-    with pytest.raises(NotNowError, match="since the last session"):
+    with pytest.raises(NotNowError, match="from the last session"):
         await judged(rack, records)
 
     assert [line.step_id for line in records.lines] == [BALLBAR_ON]  # from now on it counts as attached

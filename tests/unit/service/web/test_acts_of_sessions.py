@@ -69,12 +69,12 @@ def test_confirmations_are_counted_by_person_and_motions_among_them():
 
 def test_the_word_that_the_cell_is_clear_counts_and_the_same_question_stands_once():
     asked = StateChange(at(2), SessionState.AWAITING_CONFIRMATION, "Is the cell clear?", None)
-    goes = StateChange(at(3), SessionState.RUNNING, "Ada had the session go on.", "Ada")
+    goes = StateChange(at(3), SessionState.RUNNING, "Ada continued the session.", "Ada")
 
     events = told(states=[asked, goes, asked, goes])
 
     assert [event[2] for event in events] == [
-        "Session 7: awaiting a person's confirmation. Is the cell clear?",
+        "Session 7: awaiting confirmation. Is the cell clear?",
         "Confirmations: 2. 2 of them started an arm motion.",
     ]
 

@@ -103,7 +103,7 @@ async def test_one_that_was_switched_off_since_takes_a_reason_that_is_kept(clien
 
     assert (await confirm(client, path, IN_ITS_BOX)).status_code == 200
     said = await notes(client, path)
-    assert said == [f"Ada says how they know that the ballbar is off: {IN_ITS_BOX}"]
+    assert said == [f"Ada states how they know that the ballbar is off: {IN_ITS_BOX}"]
 
 
 async def test_so_does_it_where_the_service_was_restarted_since(settings, bench, kind):

@@ -172,7 +172,7 @@ async def test_what_is_left_out_counts_no_more_and_what_is_wanted_again_comes_af
     left_out = await pressed(client, path, "skip", step_id="stop-1", reason="The reflector was touched.")
     again = await pressed(client, path, "retry", step_id="stop-2")
 
-    assert left_out["sentence"] == "Configuration 1 is left out."
+    assert left_out["sentence"] == "Configuration 1 is skipped."
     assert left_out["session"]["progress"]["skipped"] == 1
     assert "once a person has confirmed" in again["sentence"]
     readings = f"{path}/readings?kind=point&superseded=false"

@@ -137,7 +137,7 @@ async def test_a_cell_file_that_has_changed_lets_nothing_move_before_a_restart(s
 
     assert (refused.status_code, unreadable.status_code) == (409, 409)
     assert "restart the service" in refused.json()["detail"]
-    assert "cannot be read any more" in unreadable.json()["detail"]
+    assert "can no longer be read" in unreadable.json()["detail"]
     assert ended.status_code == 200
     assert bench.robot.moves == 0
 

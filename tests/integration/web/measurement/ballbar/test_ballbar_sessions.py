@@ -408,7 +408,7 @@ _SPHERE = {"kind": "ballbar", "name": "sphere", "plan": {"method": "sphere"}}
 @pytest.mark.parametrize(
     ("placements", "says"),
     [
-        (None, "give one placement of the fixture"),
+        (None, "give exactly one placement of the fixture"),
         ([PLACEMENT], "give the placement without poses"),
         ([{"x_mm": 1500, "y_mm": 0, "z_mm": 150}], "cannot hold the setting ball"),
     ],

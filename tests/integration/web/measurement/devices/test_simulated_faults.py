@@ -31,7 +31,7 @@ async def test_on_a_real_cell_nothing_goes_wrong_on_order(client):
 
     assert (found["simulated"], found["kinds"], found["faults"]) == (False, [], [])
     assert refused.status_code == 409
-    assert refused.json()["detail"] == "Only a simulated cell has faults on order; this one is real."
+    assert refused.json()["detail"] == "Faults can be triggered only in a simulated cell; this one is real."
     assert "Cette cellule est réelle" in page.text
     assert "<form" not in page.text
 

@@ -126,7 +126,7 @@ async def test_a_sphere_that_stands_too_near_is_left_alone(bench):
 
     await run(bench, patience=5)
 
-    assert any("stands elsewhere" in skipped.reason for skipped in bench.journal.skipped)
+    assert any("is not where it was planned" in skipped.reason for skipped in bench.journal.skipped)
     assert bench.probe.deepest_mm <= PLAN.stroke_mm
     assert bench.robot.moves[-1] in [stop.way_rad[0] for stop in PLAN.stops]
 
@@ -137,7 +137,7 @@ async def test_a_sphere_that_is_not_there_is_no_reading(bench):
     await run(bench, patience=4)
 
     assert bench.read == []
-    assert all("is not touched" in skipped.reason for skipped in bench.journal.skipped)
+    assert all("is not in contact" in skipped.reason for skipped in bench.journal.skipped)
 
 
 async def test_a_stop_whose_zero_is_beyond_the_limits_is_left_out_and_nobody_is_asked_for_ever(bench):
@@ -147,7 +147,7 @@ async def test_a_stop_whose_zero_is_beyond_the_limits_is_left_out_and_nobody_is_
     state, _ = await run(bench, patience=20, joint_limits=limits)
 
     assert state is SessionState.FINISHED
-    assert any("would leave the limits: joint" in skipped.reason for skipped in bench.journal.skipped)
+    assert any("would exceed the limits: joint" in skipped.reason for skipped in bench.journal.skipped)
     assert all(
         np.all(np.abs(np.clip(move, places.min(axis=0), places.max(axis=0)) - move) < 1e-6)
         for move in bench.robot.moves
@@ -159,7 +159,7 @@ async def test_a_gauge_that_counts_the_other_way_round_is_noticed(bench):
 
     _, questions = await run(bench, patience=3)
 
-    assert "counts up as it comes out" in questions[3]
+    assert "reading increases as the gauge comes out" in questions[3]
     assert bench.read == []
 
 
@@ -341,7 +341,7 @@ async def test_a_restarted_session_asks_for_the_cell_and_goes_on_with_the_stop_i
 
     assert state is SessionState.FINISHED
     assert len(questions) == 1
-    assert "started anew" in questions[0]
+    assert "The service was restarted" in questions[0]
     assert "emergency stop" in questions[0]
     assert [taken.config for taken in bench.read] == [stop.config for stop in PLAN.stops]
 
@@ -414,7 +414,7 @@ async def test_another_gauge_than_the_cell_file_names_measures_nothing(bench):
 async def test_another_robot_than_the_cell_file_names_does_not_move(bench):
     _, questions = await run(bench, patience=3, robot_serial="120-2")
 
-    assert "Another robot answers" in questions[2]
+    assert "A different robot answers" in questions[2]
     assert bench.robot.moves == []
 
 
@@ -425,7 +425,7 @@ async def test_a_box_with_another_number_of_gauges_is_told(bench):
 
     await operator.attend_from_the_start(ContactRunner(PLAN, cell, bench.journal))
 
-    assert "has 2 gauges, and the session reads 1" in operator.questions[2]
+    assert "has 2 gauges, but the session reads 1" in operator.questions[2]
 
 
 async def test_nobody_confirms_without_a_name_or_what_is_not_asked(bench):
@@ -451,12 +451,12 @@ def leaping(stop):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"stops": (leaping(PLAN.stops[0]),)}, "half the stroke is 2.50 mm"),
-        ({"stops": (replace(PLAN.stops[0], way_rad=PLAN.stops[0].way_rad[:3]),)}, "at once"),
-        ({"stops": ()}, "no stop"),
+        ({"stops": (leaping(PLAN.stops[0]),)}, "half the stroke, 2.50 mm"),
+        ({"stops": (replace(PLAN.stops[0], way_rad=PLAN.stops[0].way_rad[:3]),)}, "too few points"),
+        ({"stops": ()}, "no configuration"),
         ({"margin_mm": 2.6}, "half the stroke"),
         ({"touch_speed_mm_s": 0.0}, "touch_speed_mm_s"),
-        ({"stroke_mm": 2.2}, "half the stroke is 1.10 mm"),
+        ({"stroke_mm": 2.2}, "half the stroke, 1.10 mm"),
         ({"targets": ()}, "does not list"),
         ({"stops": (PLAN.stops[0], PLAN.stops[0])}, "twice"),
     ],

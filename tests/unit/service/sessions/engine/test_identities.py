@@ -148,7 +148,7 @@ def test_a_question_names_both_and_says_what_accepting_means(device):
 
     assert A in english(text)
     assert B in english(text)
-    assert "anew" in english(text)
+    assert "again" in english(text)
     assert "certificate" in english(text)
 
 

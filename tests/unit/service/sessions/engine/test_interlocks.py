@@ -45,8 +45,8 @@ def test_only_a_running_session_moves(state):
 @pytest.mark.parametrize(
     ("wrong", "sentence"),
     [
-        ({"stop_requested": True}, "was asked for"),
-        ({"question": "Is the cell clear?"}, "question to a person is open"),
+        ({"stop_requested": True}, "was requested"),
+        ({"question": "Is the cell clear?"}, "question is open"),
         ({"robot_connected": False}, "link to the robot is down"),
         ({"now_s": 102.1}, "2.1 s old"),
         ({"now_s": 97.0}, "-3.0 s old"),
@@ -54,7 +54,7 @@ def test_only_a_running_session_moves(state):
         ({"obstacle": "The ballbar may still be attached."}, "ballbar may still be attached"),
         ({"now_s": math.nan}, "nan s old"),
         ({"left_at_rad": (0.1, -0.21)}, "Joint 2 is 0.57 deg away"),
-        ({"left_at_rad": (0.1, -0.2, 0.0)}, "reports 2 joints where 3"),
+        ({"left_at_rad": (0.1, -0.2, 0.0)}, "reports 2 joints; 3"),
         ({"reading": JointReading((0.1, math.nan), 1e-4, 100.0)}, "Joint 2"),
     ],
 )

@@ -231,7 +231,7 @@ async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
 
 
 def test_what_a_controller_does_when_it_is_left_alone_is_said():
-    assert "goes on to its target" in english(motion_notice(MotionGuard()))
+    assert "keeps moving to its target" in english(motion_notice(MotionGuard()))
     assert "for up to 1 s, longer at less than 100 %" in english(
         motion_notice(MotionGuard(longest_piece_s=1.0))
     )

@@ -56,7 +56,7 @@ def test_a_plan_that_makes_no_sense_is_refused_with_its_fault(changes, sentence)
 def test_a_stop_outside_the_limits_is_named_with_its_joint():
     stop = PlannedStop(7, (0.0, 0.0, 3.2, 0.0, 0.0, 0.0), 1)
 
-    with pytest.raises(PlanRefusedError, match=r"The stop at configuration 7 .* joint 3 at 183\.35 deg"):
+    with pytest.raises(PlanRefusedError, match=r"Configuration 7 lies .* joint 3 at 183\.35 deg"):
         require_fit(make_plan(stops=(stop,)))
 
 
@@ -76,7 +76,7 @@ def test_an_unknown_tool_nest_cannot_be_looked_for():
     ("fixed_nests", "sentence"),
     [
         (FIXED_NESTS[:2], "2 fixed nests"),
-        (tuple(FixedNest((x, 2.0 * x, 0.0), 0.002) for x in (0.0, 400.0, 800.0)), "on a line"),
+        (tuple(FixedNest((x, 2.0 * x, 0.0), 0.002) for x in (0.0, 400.0, 800.0)), "on one line"),
     ],
 )
 def test_fixed_nests_that_cannot_place_a_tracker_are_refused(fixed_nests, sentence):
@@ -99,7 +99,7 @@ def test_the_controllers_limits_come_before_the_ranges_and_the_cells_before_both
 
 
 def test_a_robot_of_which_no_limits_are_known_does_not_move():
-    with pytest.raises(PlanRefusedError, match="states joint limits"):
+    with pytest.raises(PlanRefusedError, match="gives joint limits"):
         motion_limits(replace(IRB120, calibration_ranges=None), None, make_plan())
 
 

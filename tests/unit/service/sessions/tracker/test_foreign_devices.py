@@ -110,7 +110,7 @@ async def test_a_named_person_accepts_it_by_its_serial_number():
     assert ended is SessionState.FINISHED
     assert ("tracker", "accepted", A, "Eva") in findings(cell)
     assert sum("390003" in question for question in operator.questions) == 1
-    assert any("Eva accepted the tracker" in note for note in cell.journal.notes)
+    assert any("Eva accepted tracker" in note for note in cell.journal.notes)
 
 
 async def test_a_tracker_exchanged_between_reading_and_record_stores_nothing_of_it():
@@ -292,7 +292,7 @@ async def test_the_right_robot_put_back_goes_on_and_skips_nothing():
         cell.robot.serial = "120-2"
 
     def put_back(question):
-        if "Another robot" in question and len(operator.questions) > 3:
+        if "A different robot" in question and len(operator.questions) > 3:
             cell.robot.serial = "120-1"
 
     at_reading(cell, 0, exchange)
@@ -326,5 +326,5 @@ async def test_a_tracker_that_falls_silent_is_noted_and_measures_on():
     ended = await run_session(cell, make_plan(2))
 
     assert ended is SessionState.FINISHED
-    assert sum("does not tell its serial number any more" in note for note in cell.journal.notes) == 1
+    assert sum("no longer reports its serial number" in note for note in cell.journal.notes) == 1
     assert serials(cell) == ["", ""]

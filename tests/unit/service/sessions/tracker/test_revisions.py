@@ -77,7 +77,7 @@ async def test_a_configuration_that_is_left_out_is_not_gone_to():
 
         assert await session.to_the_end() is SessionState.FINISHED
 
-    assert english(answer.sentence) == "Configuration 3 is left out."
+    assert english(answer.sentence) == "Configuration 3 is skipped."
     assert measured(cell) == [1, 2, 4]
     assert make_stop(3).joints_rad not in cell.robot.moves
     assert [(one.config, one.reason) for one in cell.journal.skipped] == [(3, "in the way")]
@@ -100,8 +100,8 @@ async def test_past_a_configuration_that_is_left_out_the_arm_goes_where_the_way_
         await session.go_on()
         await session.to_the_end()
 
-    assert [note for note in cell.journal.notes[noted:] if "none of the plan's" in note] == [
-        "The arm went a way that is none of the plan's; it was looked at before, and nothing touched on it."
+    assert [note for note in cell.journal.notes[noted:] if "not part of the plan" in note] == [
+        "The arm took a path that is not part of the plan; it was checked beforehand, and nothing touches on it."
     ]
 
 
@@ -116,7 +116,7 @@ async def test_where_something_touches_on_the_way_past_it_a_person_is_asked_and_
         moves = len(cell.robot.moves)
 
         assert measured(cell) == [1, 2]
-        assert english(question).startswith("The way that comes next is none of the plan's. Be ready")
+        assert english(question).startswith("The next path is not part of the plan. Be ready")
         await asking.confirm(session.runner, PERSON)
         assert await session.to_the_end() is SessionState.FINISHED
 
@@ -144,7 +144,7 @@ async def test_what_comes_again_comes_last_and_after_a_question(name):
         moves = len(cell.robot.moves)
 
         assert measured(cell) == [1, 2, 3, 4]
-        assert english(question).startswith("What was wanted once more comes next: configuration 2.")
+        assert english(question).startswith("Next is the configuration to be measured again: 2.")
         for _ in range(50):
             await asyncio.sleep(0)
         assert len(cell.robot.moves) == moves

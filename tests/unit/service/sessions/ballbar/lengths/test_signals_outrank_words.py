@@ -71,7 +71,7 @@ async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the
         bench.hands.connect("leg", (1, 1))
         bench.bar.out_of_range_mm = 1.05
 
-        with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
 
 
@@ -83,7 +83,7 @@ async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ba
         await bench.clock.advance(0.5)
         await bench.press(CommandName.SKIP, reason="too long")
 
-        with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
 
         bench.hands.hold()  # at its end it looks the same in the cups and on the table
@@ -111,7 +111,7 @@ async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read
         before = len(bench.robot.moves)
 
         for _ in range(3):
-            with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+            with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
                 await bench.press(CommandName.CONFIRM)
             await bench.clock.advance(1.0)
 
@@ -168,7 +168,7 @@ async def test_a_link_that_is_lost_with_the_ballbar_on_takes_a_reason_that_is_ke
         await bench.clock.advance(1.0)
         assert bench.runner._readings.sample.reason_needed
 
-        with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
         await bench.press(CommandName.CONFIRM, reason="its battery is out, it lies on the table")
 
@@ -253,7 +253,7 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
 
         assert len(bench.robot.moves) == before + 1
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
-        assert "while the arm moved" in english(question(bench.runner))
+        assert "while the arm was moving" in english(question(bench.runner))
         assert bench.now.attached
         (again,) = bench.kept("placement-1/pose-1/move/detach", EntryKind.REOPENED)
         assert english(again.text) == "The ballbar read a length within its range."
@@ -475,7 +475,7 @@ async def test_a_zero_after_a_lost_supply_is_not_taken_from_the_leg_that_is_conn
         ("no_signal", "no signal"),
         ("out_low", "too close"),
         ("out_high", "too far"),
-        ("unstable", "still changes"),
+        ("unstable", "still changing"),
     ],
 )
 async def test_the_button_is_refused_and_the_page_knows_it_beforehand(state, says):

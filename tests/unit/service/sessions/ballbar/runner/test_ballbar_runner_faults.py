@@ -58,7 +58,7 @@ async def test_a_clock_of_the_cell_that_fails_has_the_session_await_a_person_and
         bench.clock.now_s = say_nothing
         await bench.clock.advance(1.0)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
-        assert english(bench.now.question).startswith("the cell's clock says nothing. Put it right.")
+        assert english(bench.now.question).startswith("the cell's clock says nothing. Correct this, then confirm.")
         assert not bench.running.done()
 
         bench.clock.now_s = tell
@@ -315,7 +315,7 @@ async def test_a_pose_to_which_no_clear_way_was_found_is_left_out_with_the_reaso
         left_out = bench.now.outcomes["placement-1/pose-2/leg-1-1"]
         assert (left_out.kind, english(left_out.text)) == (
             "skipped",
-            "The pre-calibration found no clear way to this pose.",
+            "The pre-calibration found no collision-free path to this pose.",
         )
         assert joints(2) not in bench.robot.moves
         assert bench.now.outcomes["placement-1/pose-3/leg-1-1"].kind == "measured"

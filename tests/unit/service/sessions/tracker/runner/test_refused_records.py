@@ -98,7 +98,7 @@ async def test_an_end_that_cannot_be_recorded_takes_effect_and_is_recorded_later
         run.cell.journal.make_room()
 
         assert await run.task is SessionState.ABORTED
-        assert run.cell.journal.states[-2] == (SessionState.ABORTING, "The end was asked for.", "Eva")
+        assert run.cell.journal.states[-2] == (SessionState.ABORTING, "An abort was requested.", "Eva")
         assert states(run.cell)[-1] is SessionState.ABORTED
         assert len(run.cell.journal.points) == 1
         assert len(run.cell.robot.moves) == moved

@@ -160,7 +160,7 @@ async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins
     moves_while_paused = len(cell.robot.moves)
     await asking.resume(runner, "Eva")
 
-    assert "cannot be stopped" in english(answers[0])
+    assert "cannot stop a motion under way" in english(answers[0])
     assert moves_while_paused == 4
     assert await running is SessionState.FINISHED
     assert len(cell.robot.moves) == 4 + 4  # stop 2 from its approach on, then stop 3
@@ -193,8 +193,8 @@ async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
         await asking.pause(runner)
     with pytest.raises(NotNowError, match="nothing to resume"):
         await asking.resume(runner, "Eva")
-    assert english(await asking.end(runner, "Eva")) == "The session has ended; nothing was in motion."
-    with pytest.raises(NotNowError, match="aborted already"):
+    assert english(await asking.end(runner, "Eva")) == "The session has ended; nothing was moving."
+    with pytest.raises(NotNowError, match="already aborted"):
         await asking.end(runner, "Eva")
 
     assert await runner.run() is SessionState.ABORTED
@@ -251,7 +251,7 @@ async def test_a_reading_of_another_reflector_is_never_stored():
 
     await run_session(cell, make_plan(), operator)
 
-    assert "12.7 mm from where nest 1 is expected" in operator.questions[1]
+    assert "12.7 mm from the expected position of nest 1" in operator.questions[1]
     assert cell.journal.points == []
 
 
@@ -299,5 +299,5 @@ async def test_a_reading_that_is_no_number_is_refused(bad):
 
     await run_session(cell, make_plan(), operator)
 
-    assert "no finite number" in operator.questions[1]
+    assert "not a finite number" in operator.questions[1]
     assert cell.journal.points == []

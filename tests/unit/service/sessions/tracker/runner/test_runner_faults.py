@@ -127,7 +127,7 @@ async def test_three_failures_in_a_row_pause_the_session():
 
     await run_session(cell, plan, operator)
 
-    assert "Configuration 5 could not be measured: fog. It is number 3 in a row." in operator.questions[1]
+    assert "Configuration 5 could not be measured: fog. This is failure number 3 in a row." in operator.questions[1]
     assert [skipped.config for skipped in cell.journal.skipped] == [3, 4]
 
 
@@ -335,7 +335,7 @@ async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured():
 
     await run_session(cell, make_plan(3), operator)
 
-    assert "Joint 1 reports 0.573 deg away from where it was sent" in operator.questions[1]
+    assert "Joint 1 reports a position 0.573 deg from the commanded one" in operator.questions[1]
     assert cell.journal.points == []
 
 

@@ -111,14 +111,14 @@ async def test_what_the_tracker_measures_with_and_in_which_air_is_in_the_record(
     await run_session(cell, make_plan(1))
 
     assert cell.tracker.settings in cell.journal.notes
-    assert "The air at the tracker: 23.1 °C, 1013.0 hPa, 40 % humidity." in cell.journal.notes
+    assert "Air at the tracker: 23.1 °C, 1013.0 hPa, 40 % humidity." in cell.journal.notes
 
 
 @pytest.mark.parametrize(
     ("air", "told"),
     [
-        (Environment(23.1, math.nan, math.nan), ["The air at the tracker: 23.1 °C."]),
-        (Environment(math.nan, math.nan, math.nan), ["The air at the tracker: not stated."]),
+        (Environment(23.1, math.nan, math.nan), ["Air at the tracker: 23.1 °C."]),
+        (Environment(math.nan, math.nan, math.nan), ["Air at the tracker: not stated."]),
         (DeviceRefusedError("no weather station"), []),
     ],
 )
@@ -128,7 +128,7 @@ async def test_air_that_no_station_measures_is_not_made_up(air, told):
 
     await run_session(cell, make_plan(1))
 
-    assert [note for note in cell.journal.notes if note.startswith("The air")] == told
+    assert [note for note in cell.journal.notes if note.startswith("Air at")] == told
     assert not any("measures the" in note for note in cell.journal.notes)  # it says nothing of itself
 
 

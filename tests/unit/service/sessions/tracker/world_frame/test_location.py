@@ -83,5 +83,5 @@ async def test_a_session_that_knows_neither_place_nor_aim_pauses_with_what_to_do
     ended = await run_session(cell, make_plan(), operator)
 
     assert ended is SessionState.ABORTED
-    assert "aim at each once" in operator.questions[1]
+    assert "aim at each nest once" in operator.questions[1]
     assert cell.robot.moves == []
