@@ -17,12 +17,16 @@ class RouteTable(Generic[T]):
     """Things that each have a path, with parameters in braces, in the order in which they count."""
 
     def __init__(self, things: Iterable[tuple[str, T]]) -> None:
-        known = [(_first_word(path), thing) for path, thing in things]
-        words = {word for word, _ in known}
-        self._anywhere = tuple(thing for word, thing in known if _is_open(word))
-        self._at = {
-            word: tuple(thing for other, thing in known if other == word or _is_open(other)) for word in words
-        }
+        self._anywhere: list[T] = []  # begins with a parameter
+        self._at: dict[str, list[T]] = {}
+        for path, thing in things:
+            word = _first_word(path)
+            if _is_open(word):
+                self._anywhere.append(thing)
+                for found in self._at.values():
+                    found.append(thing)
+            else:
+                self._at.setdefault(word, [*self._anywhere]).append(thing)
 
     def at(self, path: str) -> Sequence[T]:
         """Return what may be at a path, in their order."""
