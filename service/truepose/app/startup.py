@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Callable, Coroutine
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol
 
@@ -27,6 +28,7 @@ def allowed_hosts(settings: Settings) -> AllowedHosts:
     return AllowedHosts(settings.allowed_hosts, settings.host, scheme)
 
 
+@cache
 def program_version() -> str:
     """Return the version of the program; a checkout that was never installed has none."""
     try:

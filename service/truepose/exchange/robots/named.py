@@ -46,8 +46,12 @@ def load_robot(name: str) -> Robot:
     return load_robot_with_tool(name).robot
 
 
+@cache
 def load_robot_with_tool(name: str) -> RobotWithTool:
-    """Return a shipped robot with its tool nests; raises UnknownRobotError."""
+    """Return a shipped robot with its tool nests; raises UnknownRobotError.
+
+    It is read once: robots cannot be changed, and pages list all of them.
+    """
     if name not in list_robots():
         raise UnknownRobotError(
             f"No robot is called {name!r}; the shipped ones are {', '.join(list_robots())}."
