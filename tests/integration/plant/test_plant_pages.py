@@ -191,7 +191,8 @@ async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(serv
 
     ((serial, reason),) = due(shown)
     assert serial == "120-1"
-    assert reason.startswith(f"Backlash, joint 5: grows by 0.012 mm a month since {days[0]}, passes 0.1 mm")
+    said = f"growing by 0.012 mm a month since {days[0]}. Expected to exceed 0.1 mm"
+    assert reason.startswith(f"Backlash, joint 5: {said}")
     lives = [await page(service, f"/robots/{of}") for of in ("120-1", "120-2")]
     leads = '<a href="/fleet?type=IRB%20120">Backlash, joint 5'
     assert [leads in text for text in (shown, *lives)] == [True, True, False]
@@ -308,9 +309,7 @@ async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrumen
     assert re.findall(r"<th>(report \d)</th>", ending) == ["report 1"]
     assert "report 1" in ended
     changes = glance.partition("<h2>Changes since ")[2].partition("<h2>")[0]
-    said = (
-        f"Certificate report 1 of tracker T-7 ended on {yesterday}; robots that were last measured with it: "
-    )
+    said = f"Certificate report 1 of tracker T-7 expired on {yesterday}; robots last measured with it: "
     assert re.findall(r'<a href="/instruments/T-7">(.*?)\d\.</a>', changes) == [said]
     assert [(one["certificate"], one["expires"], one["standing"]) for one in told] == [
         ("report 2", "2099-01-01", "holds")
@@ -340,7 +339,7 @@ async def test_a_cell_that_is_away_has_a_sentence_and_loses_nothing(service):
 
     shown = await page(service, "/")
 
-    assert "It continues on its own and loses nothing; the plant tries again." in shown
+    assert "The cell keeps working and loses no records. The plant will try again." in shown
     assert away.sentence in shown
 
 
@@ -387,8 +386,8 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
     ]
     assert '<a href="/cells/left%20arm">Review and accept</a>' in at_a_glance
     assert f"The first {fork} entries, which both chains share, stay unchanged." in to_look
-    assert "Links that only the plant has now: 2." in to_look
-    assert f"of {fork + 5} in all, are collected as a branch of its own: 5." in to_look
+    assert "Entries that only the plant has now: 2." in to_look
+    assert f"(of {fork + 5} in total), collected as a separate branch: 5." in to_look
     assert "Accept this chain" not in to_look
     assert "Accepted by: Grace Hopper" in to_act
     (asked,) = json.loads(html.unescape(re.search(r'data-asks="([^"]*)"', to_act)[1]))

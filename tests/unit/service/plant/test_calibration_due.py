@@ -60,7 +60,7 @@ def test_a_validation_that_failed_says_by_how_much():
         )
     ]
     (promise,) = reasons(broken)
-    assert promise[1].endswith("mean error 0.412 mm, where the model claims 0.031 mm.")
+    assert promise[1].endswith("mean error 0.412 mm, where the model predicts 0.031 mm.")
 
 
 def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
@@ -129,7 +129,7 @@ def test_a_type_has_its_own_interval():
 
     assert reasons(of=robot(ago=8), due=due) == []
     assert reasons(of=robot(ago=8, robot_type="IRB 6700"), due=due) == [
-        (DueReason.OVERDUE, "Last measured on 2026-11-15, 8 days ago; due after 7.")
+        (DueReason.OVERDUE, "Last measured on 2026-11-15, 8 days ago; due after 7 days.")
     ]
 
 
@@ -177,8 +177,9 @@ def test_a_robot_that_passes_a_limit_before_it_is_due_is_measured_before():
     assert foretold(growing()) == [
         (
             DueReason.WORSENING,
-            "Backlash, joint 5: grows by 0.012 mm a month since 2026-06-26, passes 0.1 mm about 2027-01-22, "
-            "with 5 % before 2026-12-13; measure before that, not only when it is due on 2026-12-20.",
+            "Backlash, joint 5: growing by 0.012 mm a month since 2026-06-26. Expected to exceed 0.1 mm "
+            "about 2027-01-22, with 5 % probability before 2026-12-13. Measure before then; do not wait for "
+            "the due date, 2026-12-20.",
         )
     ]
 
@@ -201,7 +202,7 @@ def test_a_limit_that_was_passed_says_since_when():
     ((why, sentence),) = foretold(growing(passes=-20, earliest=-40))
 
     assert why == DueReason.WORSENING
-    assert "passed 0.1 mm about 2026-11-03; nobody has measured it since" in sentence
+    assert "exceeded 0.1 mm about 2026-11-03; not measured since the comparison" in sentence
 
 
 def test_a_change_at_once_beyond_the_limit_is_a_reason():
@@ -211,7 +212,9 @@ def test_a_change_at_once_beyond_the_limit_is_a_reason():
 
     assert why == DueReason.WORSENING
     assert sentence.startswith("Joint")
-    assert "60 per turn: changed abruptly by 0.210 mm, first seen on 2026-10-14, more than 0.1 mm" in sentence
+    assert (
+        "60 per turn: changed abruptly by 0.210 mm, first seen on 2026-10-14; this exceeds 0.1 mm" in sentence
+    )
 
 
 def test_what_is_foreseen_comes_after_what_was_measured_and_before_age_the_soonest_first():

@@ -100,12 +100,12 @@ def test_causes_that_appear_and_go_away_are_named_with_their_figures():
     assert changes(before, now) == [
         (
             ChangeKind.CAUSE_NAMED,
-            "Diagnosis 9 of 2026-11-20 names what the one of 2026-10-21 did not: compliance, joint 2 "
+            "Diagnosis 9 of 2026-11-20 finds causes that were not found on 2026-10-21: compliance, joint 2 "
             "(0.021 mm on average).",
         ),
         (
             ChangeKind.CAUSE_GONE,
-            "Diagnosis 9 of 2026-11-20 no longer names what the one of 2026-10-21 did: drift "
+            "Diagnosis 9 of 2026-11-20 no longer finds causes that were found on 2026-10-21: drift "
             "(0.020 mm on average).",
         ),
     ]
@@ -117,7 +117,7 @@ def test_a_first_diagnosis_says_that_it_is_the_first_and_one_that_names_nothing_
     assert changes({}, found) == [
         (
             ChangeKind.CAUSE_NAMED,
-            "Diagnosis 9 of 2026-11-20, the first of this robot, names backlash, joint 4.",
+            "Diagnosis 9 of 2026-11-20, the first for this robot, finds backlash, joint 4.",
         )
     ]
     assert changes({}, told("diagnosis", 9, 3, causes=[])) == []
@@ -127,13 +127,13 @@ def test_a_model_is_the_first_replaces_one_or_was_accepted():
     made, before = told("model", 9, 3), told("model", 4, 33)
 
     assert [sentence for _, sentence in changes({}, made)] == [
-        "Model 9 of 2026-11-20 is the first of this robot."
+        "Model 9 of 2026-11-20 is the first for this robot."
     ]
     assert [sentence for _, sentence in changes(before, made)] == [
         "Model 9 of 2026-11-20 replaces model 4 of 2026-10-21."
     ]
     assert [sentence for _, sentence in changes(before, told("model", 9, 3, accepted_by="Grace Hopper"))] == [
-        "Model 9, which was handed down, was accepted on 2026-11-20 by Grace Hopper."
+        "Model 9, sent by the plant, was accepted on 2026-11-20 by Grace Hopper."
     ]
 
 
@@ -165,10 +165,10 @@ def test_certificates_that_ended_since_then_say_whom_that_concerns():
 
     found = certificates_ended([*papers, paper("", "")], robots, SINCE, TODAY)
 
-    beside = "robots that were last measured with it"
+    beside = "robots last measured with it"
     assert [english(one.sentence) for one in found] == [
-        f"Certificate report T-3 of tracker T-3 ended on 2026-11-16; {beside}: 2.",
-        f"Certificate report T-1 of tracker T-1 ended on 2026-11-22; {beside}: 0.",
+        f"Certificate report T-3 of tracker T-3 expired on 2026-11-16; {beside}: 2.",
+        f"Certificate report T-1 of tracker T-1 expired on 2026-11-22; {beside}: 0.",
     ]
 
 

@@ -58,7 +58,7 @@ AMISS = {
     "another device": (
         state(devices={"robot": DeviceLink(True, foreign=True)}),
         {"devices": "warn"},
-        "a different device",
+        "not the one specified",
     ),
     "many jobs": (state(jobs={"queued": 21, "running": 1}), {"workers": "warn"}, "waiting: 21"),
     "a clock that was set": (state(clock=Clock(3600.0)), {"clock": "warn"}, "changed by +3600 s"),
