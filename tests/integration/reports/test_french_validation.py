@@ -84,7 +84,7 @@ def test_the_same_report_in_english_is_seen(tmp_path, points):
 @pytest.mark.parametrize(
     ("limit_mm", "rule", "told"),
     [
-        (None, "guard band", "conforme \u00e0 ce qu\u2019il annonce"),
+        (None, "guard band", "conforme \u00e0 l\u2019exactitude pr\u00e9vue"),
         (0.2, "guard band", "(ISO 14253-1, 95\u00a0%), il est conforme"),
         (0.01, "guard band", "il n\u2019est pas conforme"),
         (0.051, "guard band", "on ne peut d\u00e9cider"),

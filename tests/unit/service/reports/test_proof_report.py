@@ -117,6 +117,6 @@ def test_pictures_targets_conditions_and_records_are_there():
 def test_it_is_told_in_french():
     text = Page(shown(proof(), catalogue("fr"))).text
 
-    assert "La correction est prouvée" in text
+    assert "La correction est vérifiée" in text
     assert "Absolues sans correction" in text
     assert "Traçabilité" in text
