@@ -158,4 +158,4 @@ def test_words_that_this_machine_has_no_font_for_are_left_to_the_reader_s():
         figure.subplots().set_xlabel("誤差 [mm]", color=colours.ink)
         return figure
 
-    assert "誤差 [mm]" in on_page(draw, "a", "")  # and warns of nothing
+    assert "誤差 [mm]" in on_page(draw, "a", "", catalogue("ja"))  # and warns of nothing
