@@ -177,8 +177,9 @@ def test_every_language_says_an_error_in_the_units_of_its_reader(language):
     before, now = told("identification", 4, 33, 0.0508), told("identification", 9, 3, 0.0762)
     (found,) = robots_changed({"120-1": before}, {"120-1": now}, TODAY)
 
-    spoken = catalogue(f"{language}-x-inch").spoken(found.changes[0].sentence)
+    words = catalogue(f"{language}-x-inch")
+    spoken = words.spoken(found.changes[0].sentence)
 
-    assert "0.00200 in" in spoken
-    assert "0.00300 in" in spoken
+    assert f"0{words.units.decimal}00200 in" in spoken
+    assert f"0{words.units.decimal}00300 in" in spoken
     assert "mm" not in spoken

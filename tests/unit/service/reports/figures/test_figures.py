@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_model
 from truepose.identification import predict
+from truepose.messages.catalogue import catalogue
 from truepose.reports.figures.error_maps import exaggeration, work_space
 from truepose.reports.figures.histograms import histogram
 from truepose.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
