@@ -81,7 +81,7 @@ def test_a_report_of_planted_causes_is_french_throughout(diagnosed):
 def test_a_terminal_speaks_french_too(diagnosed):
     text = "\n".join(diagnosis_lines(diagnosed, FRENCH))
 
-    assert "À mesurer ensuite" in text or "Ce qui reste" in text
+    assert "À mesurer ensuite" in text or "Les résidus" in text
     assert english_in(text) == []
 
 
