@@ -95,7 +95,7 @@ def test_a_link_lets_somebody_choose_how_they_come_in_and_works_once(chromium, h
 def test_a_password_leads_to_the_page_that_was_wanted_and_a_wrong_one_nowhere(chromium, house):
     with before(chromium, house) as page:
         come_in(page, house, "/work?q=left+arm", password="a guess of ten letters")
-        expect(page.locator("#sign-in output")).to_contain_text("do not go together")
+        expect(page.locator("#sign-in output")).to_contain_text("Wrong name or password")
         expect(page.locator("main [name=name]")).to_have_value(ADA)
 
         page.locator("main [name=password]").fill(PASSWORD)

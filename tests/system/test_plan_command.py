@@ -65,9 +65,9 @@ def test_a_ballbar_plan_has_legs_and_cups():
 def test_people_read_the_promise_its_knee_and_what_it_rests_on():
     printed = plan("abb-irb-120").stdout
 
-    assert "promise a mean error of" in printed
+    assert "Predicted mean error with" in printed
     assert "The knee of the curve is at" in printed
-    assert "the parameters describe wholly" in printed
+    assert "the parameters describe the arm completely" in printed
 
 
 def test_a_campaign_goes_on_from_what_was_measured():

@@ -30,7 +30,7 @@ def test_a_control_is_one_tap(desk, tablet, name, act):
 def test_a_paused_session_resumes_where_it_was_paused(desk, tablet):
     desk.show(state="paused")
 
-    tablet.get_by_role("button", name="Resume", exact=True).click()
+    tablet.locator("#dock").get_by_role("button", name="Resume", exact=True).click()
 
     assert [done["act"] for done in acted(tablet, desk)] == ["resume"]
 
@@ -219,10 +219,10 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
         ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
-        ("like_calibrator", "cannot tell them apart", "right_pair", "It is on B2\u2013T3"),
-        ("same_connection", "since B1\u2013T2 was read", "reconnected", "I have reconnected it"),
-        ("not_calibrator", "not where it was last time", "right_pair", "It is on B2\u2013T3"),
-        ("same_bars", "the zero of the other bars", "reconnected", "I have reconnected it"),
+        ("like_calibrator", "does not show which one it is", "right_pair", "It is on B2\u2013T3"),
+        ("same_connection", "not taken off after B1\u2013T2 was read", "reconnected", "I have reconnected it"),
+        ("not_calibrator", "differs from last time", "right_pair", "It is on B2\u2013T3"),
+        ("same_bars", "the zero of the other extension bars", "reconnected", "I have reconnected it"),
     ],
 )
 def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):

@@ -159,7 +159,7 @@ def test_taps_without_a_network_arrive_once_each(chromium, url, bench, ended):
         wire.cut()
         expect(page.locator("#lost")).to_be_visible()
         for config in (20, 21):
-            page.get_by_role("button", name=f"Configuration {config}, to come").click()
+            page.get_by_role("button", name=f"Configuration {config}, pending").click()
             page.get_by_role("button", name="Skip").click()
             page.get_by_text("Something blocks the beam").click()
             page.get_by_role("button", name="Skip it").click()

@@ -31,7 +31,7 @@ SCREENS = {
     "doubt": {"suspicion": DOUBT},
     "precalibrate": {"step": step("precalibrate")},
     "planned": {"state": "planned"},
-    "paused": {"state": "paused", "reason": "The pre-calibration was not possible: measure more poses."},
+    "paused": {"state": "paused", "reason": "The pre-calibration failed: measure more poses."},
     "pausing": {"state": "pausing"},
     "interrupted": {"state": "awaiting_confirmation"},
     "foreign": {"state": "awaiting_confirmation", "ballbar_in_question": FOREIGN},
@@ -287,7 +287,7 @@ def test_the_service_is_asked_in_the_language_that_is_chosen(desk, chromium, url
 
 
 def test_a_pause_needs_no_reason_below_its_title(desk, tablet):
-    desk.show(state="paused", reason="A pause was asked for.", reason_key="session.pause_asked")
+    desk.show(state="paused", reason="A pause was requested.", reason_key="session.pause_asked")
 
     expect(tablet.locator("#names")).to_have_text("PAUSED")
     expect(tablet.locator("#panel")).to_be_hidden()

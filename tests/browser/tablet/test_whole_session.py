@@ -39,7 +39,7 @@ def session(tmp_path, bench):
 
 
 def at_leg(number):
-    return lambda screen, where: screen == "connect_leg" and f"leg {number} of 6" in where
+    return lambda screen, where: screen == "connect_leg" and f"length {number} of 6" in where
 
 
 def measured(url, id):

@@ -222,7 +222,7 @@ async def test_a_session_whose_cell_lost_its_ballbar_does_not_keep_the_service_f
     await desk.recover()
 
     (note,) = await scene.sessions.notes(session_id)
-    assert "not taken up" in english(note)
+    assert "was not continued" in english(note)
     assert (await ballbar.view(session_id)).id == session_id
 
 

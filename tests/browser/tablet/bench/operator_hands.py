@@ -58,7 +58,7 @@ class Operator:
             self.hold()
         elif screen == "doubt":  # the lengths of the bench are those of no arm
             self.page.locator("#actions [data-act=answer]").last.click()
-        elif screen == "paused" and self._skippable() and "not possible" in self._panel():
+        elif screen == "paused" and self._skippable() and "pre-calibration failed" in self._panel():
             self.skip("Not possible with the equipment here")
         elif screen in {"planned", "paused", "interrupted"}:
             self.page.locator("#actions button").click()

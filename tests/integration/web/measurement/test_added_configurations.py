@@ -50,7 +50,7 @@ async def test_a_planned_session_measures_what_was_added(client, until):
     assert added.status_code == 201
     assert [stop["config"] for stop in added.json()["stops"]] == [4, 5]
     assert added.json()["session"]["planned"] == 5
-    assert added.json()["sentence"].startswith("Added configurations 4 to 5; a person confirms")
+    assert added.json()["sentence"].startswith("Added configurations 4 to 5. A person confirms")
     assert [stop["joints_deg"] for stop in plan["stops"][3:]] == [
         entry["joints_deg"] for entry in MORE["configurations"]
     ]

@@ -31,7 +31,7 @@ async def test_nobody_closes_as_calibrated_without_a_certificate_or_a_reason(cli
         assert answer.status_code == 409
         sentence = answer.json()["detail"]
         assert "The certificate of the laser tracker, serial number 42 states no expiry date" in sentence
-        assert "A named person may do so with a reason" in sentence
+        assert "A named person may still close it with a reason" in sentence
     assert shown["closed_as"] == "open"
     assert [(one["what"], one["standing"]) for one in shown["certificates"]] == [("laser tracker", "undated")]
 

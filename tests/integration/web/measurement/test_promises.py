@@ -85,7 +85,7 @@ async def test_the_page_speaks_french_where_it_is_asked_to(client):
     text = (await client.get("/plan?language=fr&n=30&whole=true")).text
 
     assert '<html lang="fr">' in text
-    assert "promettent une erreur moyenne" in text
+    assert "Erreur moyenne prévue" in text
     assert 'href="/plan?n=50"' in text
     assert "mean error" not in text
 

@@ -90,7 +90,7 @@ async def test_without_a_model_the_result_says_what_is_missing(client, session):
     document = await client.get(f"/api/v1/sessions/{number}/accuracy")
 
     assert (reply.status_code, document.status_code) == (409, 409)
-    assert "ABB IRB 120 has no model yet" in reply.text
+    assert "There is no model of ABB IRB 120 yet" in reply.text
     assert document.json()["detail"] in Page(reply.text).text
 
 

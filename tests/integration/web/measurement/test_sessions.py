@@ -176,7 +176,7 @@ async def test_one_session_runs_at_a_time(client):
 
     assert refused.status_code == 409
     assert refused.json()["detail"].startswith(
-        "Session 1 is awaiting confirmation; one session runs at a time"
+        "Session 1 is awaiting confirmation; only one session runs at a time"
     )
 
 

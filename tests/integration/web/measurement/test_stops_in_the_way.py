@@ -103,7 +103,7 @@ async def test_of_clear_ways_nothing_is_said(client):
 
     assert planned.json()["notes"] == []
     assert (
-        "until one has finished. The robot is about to move."
+        "until one session has finished. The robot is about to move."
         in started.json()["session"]["prompt"]["message"]
     )
 
@@ -131,7 +131,7 @@ async def test_a_robot_that_does_not_say_where_it_stands_keeps_no_question_waiti
     started = await command(client, planned.headers["Location"], "start")
 
     assert (
-        "until one has finished. The robot is about to move."
+        "until one session has finished. The robot is about to move."
         in started.json()["session"]["prompt"]["message"]
     )
 

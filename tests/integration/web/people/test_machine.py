@@ -52,7 +52,7 @@ def test_people_are_entered_while_the_service_runs(served, settings):
 
 def test_what_the_service_refuses_is_said_with_its_code(served, settings):
     with administration(settings.database_url) as machine:
-        with pytest.raises(AccountRefusedError, match="first person has to be an administrator") as refused:
+        with pytest.raises(AccountRefusedError, match="first person must be an administrator") as refused:
             machine.add("Ada Byron", Role.OPERATOR)
         with pytest.raises(UnknownPersonError, match="Nobody named Ada"):
             machine.link("Ada")

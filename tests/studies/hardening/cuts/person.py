@@ -172,7 +172,7 @@ class Person:
 
     async def _resume(self) -> None:
         panel = await self.page.inner_text("#panel")
-        if "not possible" in panel and await self.tap("skip"):
+        if "pre-calibration failed" in panel and await self.tap("skip"):
             return
         if await self.page.query_selector("#actions .hold"):
             await self.hold()

@@ -45,7 +45,7 @@ def test_a_tracker_plan_lists_every_stop_with_nest_joints_and_time():
 def test_a_camera_has_no_reflectors_to_look_after():
     camera = page_of(replace(TRACKER, measures="poses"))
 
-    assert "The camera is on and warm" in camera
+    assert "The camera is on, warm" in camera
     assert "reflector" not in camera
     assert "reflector" in page_of(TRACKER)
 

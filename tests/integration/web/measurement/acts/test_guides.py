@@ -174,7 +174,7 @@ async def test_what_is_left_out_counts_no_more_and_what_is_wanted_again_comes_af
 
     assert left_out["sentence"] == "Configuration 1 is skipped."
     assert left_out["session"]["progress"]["skipped"] == 1
-    assert "once a person has confirmed" in again["sentence"]
+    assert "after a person has confirmed" in again["sentence"]
     readings = f"{path}/readings?kind=point&superseded=false"
     assert (await client.get(readings)).json() == []
     await pressed(client, path, "resume")

@@ -161,7 +161,7 @@ async def test_another_robot_than_the_one_planned_for_does_not_move(service):
         refused = await command(client, f"{SESSIONS}/1", "start")
 
     assert refused.status_code == 409
-    assert "planned for the robot ABB IRB 120" in refused.json()["detail"]
+    assert "planned for robot ABB IRB 120" in refused.json()["detail"]
 
 
 async def test_a_ballbar_session_is_found_again_and_refused_until_the_limits_allow_it(service, bench):

@@ -75,7 +75,7 @@ async def test_an_answer_to_an_earlier_question_moves_nothing(client, bench, unt
 
     assert session["prompt"]["id"] > asked["prompt"]["id"]
     assert stale.status_code == 409
-    assert "not what is asked now" in stale.json()["detail"]
+    assert "not the open question" in stale.json()["detail"]
     assert bench.robot.moves == moves
     assert (await client.get(PATH)).json()["state"] == "paused"
     assert (await answer(client, "resume", session["prompt"]["id"])).status_code == 200

@@ -395,7 +395,7 @@ async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_
     left_on = await command(client, path, "confirm")
 
     assert left_on.status_code == 409
-    assert "since the last session" in left_on.json()["detail"]
+    assert "from the last session" in left_on.json()["detail"]
     assert bench.robot.moves == 0
     bench.ballbar.deviation_mm = -17.2  # run to its end
     assert (await command(client, path, "confirm")).is_success
