@@ -31,7 +31,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert (status, again) == (0, 0)
     assert "No significant change" in " ".join(said.split())
     assert "Measure robot 00 next. No particular reason" in " ".join(said.split())
-    assert "of robot 00 whether" in remarks
+    assert "causes in robot 00 has grown by" in remarks
     assert "Another robot of the type reaches a predicted mean error of" in remarks
     assert len(files["new.csv"].read_text().splitlines()) == 16
     assert files["check.csv"].read_text().startswith("config,q1_deg,")

@@ -192,7 +192,7 @@ CHANGES = {
     "metres": lambda q, p: (q, p / 1e3),
     "left-handed": lambda q, p: (q, p * [1, 1, -1]),
     "coupled to joint 2": lambda q, p: (q + np.outer(q[:, 1], [0, 0, 1, 0, 0, 0]), p),
-    "joints 4 and 5 are exchanged": lambda q, p: (q[:, [0, 1, 2, 4, 3, 5]], p),
+    "joints 4 and 5 are swapped": lambda q, p: (q[:, [0, 1, 2, 4, 3, 5]], p),
 }
 
 

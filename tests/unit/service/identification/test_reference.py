@@ -248,7 +248,7 @@ def test_one_bad_look_at_a_fixed_nest_counts_for_nothing_and_is_no_outlier_of_th
     assert np.flatnonzero(fit.gross[1]).tolist() == [4]
     assert answer.outliers == ()
     assert answer.counts.outliers == 0
-    assert "1 reading of fixed nests without weight" in english(answer.message)
+    assert "1 reading of reference nests without weight" in english(answer.message)
 
 
 def test_what_fixed_nests_leave_open_of_themselves_is_not_named_as_undetermined():
