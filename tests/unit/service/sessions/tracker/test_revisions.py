@@ -144,7 +144,7 @@ async def test_what_comes_again_comes_last_and_after_a_question(name):
         moves = len(cell.robot.moves)
 
         assert measured(cell) == [1, 2, 3, 4]
-        assert english(question).startswith("Next is the configuration to be measured again: 2.")
+        assert english(question).startswith("Next, configuration 2 is measured again.")
         for _ in range(50):
             await asyncio.sleep(0)
         assert len(cell.robot.moves) == moves
