@@ -39,7 +39,7 @@ async def test_figures_of_a_sentence_are_in_the_units_of_whoever_reads(client):
     _, session = await asked(client, IN_INCHES)
 
     assert (
-        "höchstens 9.84252 in/s, bis" in session["prompt"]["message"]
+        "höchstens 9,84252 in/s, bis" in session["prompt"]["message"]
     )  # 250 mm/s before a first session has finished
 
 
