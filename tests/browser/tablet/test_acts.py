@@ -220,7 +220,12 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
         ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
         ("like_calibrator", "does not show which one it is", "right_pair", "It is on B2\u2013T3"),
-        ("same_connection", "not taken off after B1\u2013T2 was read", "reconnected", "I have reconnected it"),
+        (
+            "same_connection",
+            "not taken off after B1\u2013T2 was read",
+            "reconnected",
+            "I have reconnected it",
+        ),
         ("not_calibrator", "differs from last time", "right_pair", "It is on B2\u2013T3"),
         ("same_bars", "the zero of the other extension bars", "reconnected", "I have reconnected it"),
     ],

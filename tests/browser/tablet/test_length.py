@@ -92,7 +92,9 @@ def test_the_length_is_in_inches_for_whoever_chose_them_and_no_coarser(desk, tab
     expect(tablet.locator("#length")).to_have_text("299.650 mm")
 
 
-@pytest.mark.parametrize(("state", "said"), [("out_low", "balls are too close"), ("out_high", "too far apart")])
+@pytest.mark.parametrize(
+    ("state", "said"), [("out_low", "balls are too close"), ("out_high", "too far apart")]
+)
 def test_out_of_range_is_explained_and_skipping_is_offered_with_its_reason(desk, tablet, state, said):
     in_state(tablet, desk, state)
 

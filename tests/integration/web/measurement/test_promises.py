@@ -77,7 +77,8 @@ class TestAPageThatTakesItsTime:
         assert 'href="/plan?n=50"' in whole.text
         assert "*30" in whole.text
         assert "The star marks the current plan" in whole.text
-        assert "knee: ten more reduce the error by less than a tenth" in whole.text  # where it is not what is planned
+        # where it is not what is planned
+        assert "knee: ten more reduce the error by less than a tenth" in whole.text
         assert again.text == whole.text
 
 

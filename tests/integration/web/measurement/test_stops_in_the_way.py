@@ -117,7 +117,8 @@ async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, be
     started = await command(client, planned.headers["Location"], "start")
 
     assert planned.json()["notes"] == []
-    assert "from the present position of the arm to the approach to configuration 1" in started.json()["sentence"]
+    sentence = started.json()["sentence"]
+    assert "from the present position of the arm to the approach to configuration 1" in sentence
     assert DEPTH in started.json()["sentence"]
 
 

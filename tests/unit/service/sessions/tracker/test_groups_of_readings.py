@@ -242,7 +242,8 @@ def test_work_outside_the_limits_is_refused():
     cell = FakeCell()
     stop = PlannedStop(4, _HERE, 1, work=Work(60.0, ((0.0, 9.0, 0.0, 0.0, 0.0, 0.0),)))
 
-    with pytest.raises(PlanRefusedError, match="The warm-up motions before configuration 4 lie outside the limits"):
+    outside = "The warm-up motions before configuration 4 lie outside the limits"
+    with pytest.raises(PlanRefusedError, match=outside):
         TrackerRunner(make_plan(stops=(stop,)), cell.cell, cell.journal)
 
 

@@ -101,7 +101,7 @@ async def test_past_a_configuration_that_is_left_out_the_arm_goes_where_the_way_
         await session.to_the_end()
 
     assert [note for note in cell.journal.notes[noted:] if "not part of the plan" in note] == [
-        "The arm took a path that is not part of the plan; it was checked beforehand, and nothing touches on it."
+        "The arm took a path that is not part of the plan; it was checked beforehand and is collision-free."
     ]
 
 

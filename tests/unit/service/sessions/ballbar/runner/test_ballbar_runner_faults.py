@@ -58,7 +58,8 @@ async def test_a_clock_of_the_cell_that_fails_has_the_session_await_a_person_and
         bench.clock.now_s = say_nothing
         await bench.clock.advance(1.0)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
-        assert english(bench.now.question).startswith("the cell's clock says nothing. Correct this, then confirm.")
+        question = english(bench.now.question)
+        assert question.startswith("the cell's clock says nothing. Correct this, then confirm.")
         assert not bench.running.done()
 
         bench.clock.now_s = tell
