@@ -54,6 +54,20 @@ def test_somebody_who_has_never_seen_it_reads_the_cause_of_an_own_table(service,
     assert "SIMULATED" not in tablet.inner_text("body")
     assert taps <= MOST_TAPS
     assert time.monotonic() - begun_s < MOST_S
+    tablet.goto(service.url)
+    expect(tablet.locator("#latest")).to_be_visible()
+    expect(tablet.locator(".welcome")).to_have_count(0)
+
+
+def test_whoever_comes_first_is_told_what_this_is_and_shown_an_example(service, tablet):
+    tablet.goto(service.url)
+    expect(tablet.locator(".welcome .lead")).to_be_visible()
+    expect(tablet.locator(".way li")).to_have_count(5)
+
+    tablet.locator(".welcome [data-example]").click()
+
+    tablet.wait_for_url("**/bring/1")
+    expect(tablet.locator("[data-go]")).to_be_visible()
 
 
 @pytest.fixture
@@ -82,6 +96,8 @@ def assert_chosen(button):
 
 
 def test_an_answered_question_stays_and_so_does_what_is_below_it(asked, today, uncertainty):
+    today.scroll_into_view_if_needed()
+    uncertainty.scroll_into_view_if_needed()
     place = today.bounding_box()
 
     uncertainty.click()

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import Final, Self
 
@@ -130,13 +130,7 @@ class Units:
 
     def conversion(self, unit: str) -> Conversion:
         """Return how a kept unit is shown; that of ratios, seconds or torques is shown as it is kept."""
-        return replace(self._conversion(unit), decimal=self.decimal)
-
-    def _conversion(self, unit: str) -> Conversion:
-        if unit == "deg/K":
-            return _DEGREES_PER_K.get((self.angle, self.temperature), Conversion(unit))
-        kept = Conversion(_PRINTED.get(unit, unit))
-        return next((_SHOWN[token][unit] for token in self.tokens if unit in _SHOWN[token]), kept)
+        return _conversion(self, unit)
 
     def printed(self, number: ConvertibleNumber) -> str:
         """Return a printed number as the reader has it; one of no unit as it is."""
@@ -158,6 +152,15 @@ class Units:
             if isinstance(value, ConvertibleNumber)
             else conversion.formatted(value, form)
         )
+
+
+@lru_cache(maxsize=1024)  # of every number that a page prints; findings name units of their own
+def _conversion(units: Units, unit: str) -> Conversion:
+    kept = Conversion(_PRINTED.get(unit, unit))
+    shown = next((_SHOWN[token][unit] for token in units.tokens if unit in _SHOWN[token]), kept)
+    if unit == "deg/K":
+        shown = _DEGREES_PER_K.get((units.angle, units.temperature), kept)
+    return replace(shown, decimal=units.decimal)
 
 
 KEPT: Final = Units()
