@@ -123,7 +123,9 @@ async def test_robots_are_compared_from_what_was_collected(address, served_plant
     assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]
     assert found[0][1] == Stated("A-0", "T-9", date(2026, 3, 2))
 
-    compared = re.compile(r'<a href="/fleet\?type=ABB%20IRB%20120">ABB IRB 120: compared on .*: (\d+)\.</a>')
+    compared = re.compile(
+        r'<a href="/fleet\?type=ABB%20IRB%20120">ABB IRB 120: last compared on .*: (\d+)\.</a>'
+    )
     assert [compared.findall(glance) for glance in glances] == [[], ["0"], ["1"]]
 
 

@@ -500,7 +500,7 @@ def test_two_exchanged_rows_are_listed(folder):
     document = json.loads(truepose("identify", folder, "--json").stdout)
 
     assert [outlier["config"] for outlier in document["outliers"]] == [7, 19]
-    assert all("exchanged" in outlier["reason"] for outlier in document["outliers"])
+    assert all("swapped" in outlier["reason"] for outlier in document["outliers"])
 
 
 def test_a_wrong_nest_label_is_listed(folder):

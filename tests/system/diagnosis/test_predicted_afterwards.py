@@ -91,7 +91,7 @@ def test_the_band_holds_a_drift_that_goes_on_and_one_that_stops(drifting, hours,
 
     truth = drifting.true_mm(later_s if goes_on else drifting.last_s)
 
-    assert "base moves by" in drifting.told
+    assert "base drifts by" in drifting.told
     assert drifting.covered(truth, later_s) >= 0.95
 
 

@@ -134,4 +134,4 @@ async def test_a_killed_service_leaves_an_arm_that_nobody_watches_to_its_piece_o
 
     assert after_s <= 1.0 + BETWEEN_LINES_S
     assert np.max(np.abs(place - TARGET_DEG)) > 10.0  # the whole motion takes a quarter of a minute
-    assert "the arm goes on for up to 1 s" in said
+    assert "the arm keeps moving for up to 1 s" in said
