@@ -39,9 +39,9 @@ class Conversion:
     def formatted(self, value: float, spec: str) -> str:
         """Return a kept value as a Python format writes it, with the digits that the shown unit needs."""
         plain = format(value, spec) if self.factor == 1.0 else format(self.of(value), self._finer(spec))
-        return self.signed(plain)
+        return self.localised(plain)
 
-    def signed(self, number: str) -> str:
+    def localised(self, number: str) -> str:
         """Return a number as it is printed with the reader's decimal sign."""
         return number.replace(".", self.decimal)
 
@@ -70,7 +70,7 @@ class ConvertibleNumber(str):
 
     def shown(self, conversion: Conversion) -> str:
         """Return the number in another unit, with the decimal sign that goes with it."""
-        return conversion.signed(self._again(conversion))
+        return conversion.localised(self._again(conversion))
 
 
 _INCH_MM: Final = 25.4  # exactly
