@@ -5,6 +5,8 @@ nothing of that kind and go on as they always did. What is told must be one of o
 and for every method: also reading is not for pages of others.
 """
 
+import asyncio
+import contextlib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -37,6 +39,8 @@ _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object",
 _OURS: Final = frozenset({"same-origin", "none"})  # none: typed in, or from the bookmarks
 _ANOTHER_PAGE: Final = message("refused.another_page")
 _LONGEST: Final = 100  # letters of what somebody sent, in a sentence
+_LINGER_S: Final = 1.0  # so long a refused body may still come in
+_MOST_TAKEN_IN: Final = 65_536  # bytes of it; whoever sends more may find the connection reset
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,10 +218,37 @@ class SecurityMiddleware:
             code = code_named("ForeignPage") if verdict.status is HTTPStatus.FORBIDDEN else None
             headers = {"Connection": "close"}
             answer = problem_response(request, verdict.status, verdict.sentence, headers, code=code)
-            await answer(scope, receive, send)
+            await answer(scope, receive, _closing(receive, send))
         else:
             scope["scheme"] = verdict.scheme  # in place: who watches from outside learns of the route in it
             await self._app(scope, receive, send)
+
+
+def _closing(receive: Receive, send: Send) -> Send:
+    """Return what sends an answer and then takes in what is still on its way, before the connection ends.
+
+    A connection that is closed on bytes that nobody read is reset, and a reset overtakes the answer
+    (RFC 9112, section 9.6).
+    """
+
+    async def close(part: Part) -> None:
+        if part["type"] != "http.response.body" or part.get("more_body"):
+            await send(part)
+            return
+        await send({**part, "more_body": True})
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LINGER_S):
+                await _take_in(receive)
+        await send({"type": "http.response.body", "body": b""})
+
+    return close
+
+
+async def _take_in(receive: Receive) -> None:
+    taken, part = 0, await receive()
+    while part["type"] == "http.request" and part.get("more_body") and taken < _MOST_TAKEN_IN:
+        taken += len(part["body"])
+        part = await receive()
 
 
 def _protecting(send: Send) -> Send:

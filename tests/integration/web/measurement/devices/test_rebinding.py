@@ -1,5 +1,6 @@
 """A page of another site whose name leads here, against a session that waits for its confirmation."""
 
+import socket
 import time
 
 import httpx
@@ -86,3 +87,34 @@ def test_a_person_and_a_script_confirm_as_ever(waiting):
     origin = str(waiting.base_url).rstrip("/")
 
     assert commanded(waiting, "confirm", {"Origin": origin}).is_success
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.2])
+def test_a_refusal_arrives_whole_though_the_body_comes_after_it(waiting, late_s):
+    place, body = (waiting.base_url.host, waiting.base_url.port), b'{"command": "abort"}'
+    head = (
+        f"POST {COMMANDS} HTTP/1.1\r\nHost: evil.example\r\nContent-Type: application/json\r\n"
+        f"Content-Length: {len(body)}\r\n\r\n"
+    )
+
+    with socket.create_connection(place, timeout=HANGS_S) as wire:
+        wire.sendall(head.encode())
+        time.sleep(late_s)
+        wire.sendall(body)
+        time.sleep(late_s)
+        wire.sendall(b"")
+        answer = b"".join(iter(lambda: wire.recv(65_536), b""))
+
+    assert answer.startswith(b"HTTP/1.1 421 ")
+    assert answer.endswith(b"}")
+
+
+def test_a_refusal_waits_for_no_body_that_does_not_come(waiting):
+    place = (waiting.base_url.host, waiting.base_url.port)
+    head = f"POST {COMMANDS} HTTP/1.1\r\nHost: evil.example\r\nContent-Length: 20\r\n\r\n"
+
+    with socket.create_connection(place, timeout=HANGS_S) as wire:
+        wire.sendall(head.encode())
+        answer = b"".join(iter(lambda: wire.recv(65_536), b""))
+
+    assert answer.startswith(b"HTTP/1.1 421 ")
