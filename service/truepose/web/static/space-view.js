@@ -16,8 +16,7 @@ export function filled(words, values) {
 export class SpaceView extends HTMLElement {
   connectedCallback() {
     this.shown = 0; // which of the poses
-    // A screen ahead: who scrolls to it finds it drawn, and a page that is left before never loads it.
-    this.seen = new IntersectionObserver(([entry]) => entry.isIntersecting && this.open(), { rootMargin: "100%" });
+    this.seen = new IntersectionObserver(([entry]) => entry.isIntersecting && this.open());
     this.seen.observe(this);
   }
 
