@@ -214,8 +214,9 @@ class FakeDesk:
             return _problem(409, "That step is no longer the present one.")
         if self.name_refused and act["act"] != "stop":
             return _problem(409, self.name_refused, "urn:truepose:problem:name")
-        self.acts.append(act)
+        # Whoever waits for the act finds the session as it left it, and changes that one.
         self.show(acting={"tablet": act["tablet"], "person": act["person"]})
+        self.acts.append(act)
         return None
 
     async def _live(self):
