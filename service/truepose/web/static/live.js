@@ -1,7 +1,7 @@
 // Parts of a page that are as the service has them now: whenever something happens, the page is asked for again and
 // what changed in them is put in place. What somebody holds or has sent stays until they are done.
 
-import { holdControls } from "./shell.js";
+import { holdControls, isPressed } from "./shell.js";
 
 const KINDS = [
   "session.state", "session.progress", "session.reading", "session.entry", "session.stops_added", "session.stop_skipped",
@@ -14,7 +14,7 @@ const lost = document.querySelector("[data-lost]");
 let wanted = false;
 let busy = false;
 
-const inUse = (part) => part.matches(":active, :has(:active)") || part.querySelector("[aria-busy=true], dialog[open]");
+const inUse = (part) => isPressed(part) || part.querySelector("[aria-busy=true], dialog[open]");
 
 function place(fresh) {
   for (const part of document.querySelectorAll("[data-live]")) {

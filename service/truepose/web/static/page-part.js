@@ -3,6 +3,7 @@
 // later one stays, whichever arrives first.
 
 import { Unanswered } from "./api.js";
+import { isPressed } from "./shell.js";
 
 const BUSY = 503;
 const PRESS_MS = 20; // between two looks whether something is still pressed
@@ -25,8 +26,7 @@ export async function inPage(selector, unreachable, address = location.href) {
 }
 
 async function released(selector) {
-  const held = () => document.querySelector(selector).matches(":active, :has(:active)");
-  while (held()) await new Promise((resolve) => setTimeout(resolve, PRESS_MS));
+  while (isPressed(document.querySelector(selector))) await new Promise((resolve) => setTimeout(resolve, PRESS_MS));
 }
 
 async function whyNot(reply, unreachable) {

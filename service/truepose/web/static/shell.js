@@ -34,6 +34,9 @@ export function holdControls(root) {
 
 holdControls(document);
 
+// Whether a finger is down on a part of the page: what is replaced then is never tapped.
+export const isPressed = (part) => part.matches(":active, :has(:active)");
+
 // What is wider than a phone is reached by keys as well, also once a tablet was turned.
 export function letKeysScroll() {
   for (const wide of document.querySelectorAll(".table, .picture, pre")) {
