@@ -20,6 +20,10 @@ _MALFORMED: Final = {
     "detail": "This is no HTTP request.",
     "instance": "/",
 }
+# Bytes that lie unread when a connection closes reset it, and the reset overtakes the answer; so what still
+# comes behind a refused request is taken in, for a moment.
+_LINGER_S: Final = 1.0
+_MOST_TAKEN_IN: Final = 65_536  # bytes
 
 
 class WatchedProtocol(H11Protocol):
@@ -39,6 +43,7 @@ class WatchedProtocol(H11Protocol):
         limits = census.limits
         self._head_since_s = self.loop.time()
         self._is_idle = False  # since an answer; it is the server's keep-alive that ends it
+        self._refused_bytes: int | None = None  # behind a malformed request; None while there is none
         self._body = Pace(limits.body_bytes_per_s, limits.body_grace_s)
         self._answer = Pace(limits.answer_bytes_per_s, limits.answer_grace_s)
 
@@ -59,7 +64,12 @@ class WatchedProtocol(H11Protocol):
         self._census.leave(self)
 
     def data_received(self, data: bytes) -> None:
-        """Read on, and note how far a body has come."""
+        """Read on, and note how far a body has come; what follows a refused request is dropped."""
+        if self._refused_bytes is not None:
+            self._refused_bytes += len(data)
+            if self._refused_bytes > _MOST_TAKEN_IN:
+                self.transport.close()
+            return
         if self._is_idle:
             self._is_idle, self._head_since_s = False, self.loop.time()
         was_body = self.conn.their_state is h11.SEND_BODY
@@ -125,7 +135,14 @@ class WatchedProtocol(H11Protocol):
         )
         for event in (head, h11.Data(data=body), h11.EndOfMessage()):
             self.transport.write(self.conn.send(event) or b"")
-        self.transport.close()
+        self._close_gently()
+
+    def _close_gently(self) -> None:
+        """Say that nothing more follows, and close once the other side has had time to read it."""
+        self._refused_bytes = 0
+        if self.transport.can_write_eof():  # TLS cannot
+            self.transport.write_eof()
+        self.loop.call_later(_LINGER_S, self.transport.close)
 
     def _unread(self, now_s: float) -> bool:
         """Return whether what was written lies here because the other side does not take it."""

@@ -146,6 +146,33 @@ async def test_what_is_no_http_gets_a_problem_with_all_headers(port):
     writer.close()
 
 
+async def test_the_answer_to_what_is_no_http_outlives_what_follows_it(port):
+    def answer_after_the_rest():
+        with socket.create_connection(("127.0.0.1", port), timeout=HANGS_S) as client:
+            client.sendall(b"\x16\x03\x01\x02\x00\x01\r\n\r\n")
+            assert client.recv(1, socket.MSG_PEEK) == b"H"  # it is answered
+            for _ in range(8):
+                client.sendall(b"x" * 4096)
+            client.shutdown(socket.SHUT_WR)
+            return b"".join(iter(lambda: client.recv(65536), b""))
+
+    answer = await asyncio.to_thread(answer_after_the_rest)
+
+    assert answer.startswith(b"HTTP/1.1 400")
+    assert answer.endswith(b"}")
+
+
+async def test_nonsense_without_end_is_cut_off(port):
+    _, writer = await connected(port, b"\x16\x03\x01\x02\x00\x01\r\n\r\n")
+
+    with pytest.raises(ConnectionError):
+        async with asyncio.timeout(HANGS_S):
+            while True:
+                writer.write(b"x" * 65536)
+                await writer.drain()
+    writer.close()
+
+
 async def test_nonsense_behind_a_request_under_way_leaves_no_traceback(port, caplog):
     reader, writer = await connected(port, b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n")
     await reader.readuntil(b"\r\n\r\n")
