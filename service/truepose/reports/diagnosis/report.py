@@ -51,6 +51,7 @@ _HELD_OUT = {
     ("cross_validation", "length"): "report.cross_validated.lengths",
 }
 _CAMPAIGN = "campaign"  # where a model tells what its readings are called
+_NAMED_ABOVE = frozenset({_CAMPAIGN, "robot"})  # rows of the origin that every diagnosis has
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,7 +215,7 @@ def _origin(model: Model, words: Catalogue) -> Iterator[tuple[str, str | int]]:
             words.units.formatted(said, ".3f", "") if isinstance(said, float) else said,
         )
         for name, said in told
-        if name != _CAMPAIGN
+        if name not in _NAMED_ABOVE
     )
 
 

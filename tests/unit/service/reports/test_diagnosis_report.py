@@ -347,6 +347,16 @@ def test_text_of_others_stays_text():
     assert HOSTILE in page.text
 
 
+def test_the_origin_names_the_robot_and_the_campaign_once():
+    model = make_model(identified_from={"robot": "irb", "campaign": "may", "readings": 30})
+
+    html = DiagnosisReport(plain(model=model)).content()
+
+    origin = re.findall(r"<dt>(.*?)</dt>", html[html.index('id="origin"') :])
+    assert {"Robot", "Campaign", "Readings"} <= set(origin)
+    assert len(origin) == len(set(origin))
+
+
 def test_ten_thousand_readings_make_no_heavy_page():
     many = make_finding(curve=make_curve(n=10_000))
     diagnosis = make_diagnosis(findings=(many,), errors=make_errors(n=10_000))
