@@ -56,6 +56,20 @@ async def test_everything_is_listed_newest_first(work):
     assert page.total == 8
 
 
+async def test_of_one_moment_a_model_is_newer_than_what_it_came_of(left, tmp_path):
+    file = tmp_path / "at-once.sqlite3"
+    file.write_bytes(left.read_bytes())
+    with contextlib.closing(sqlite3.connect(file)) as connection, connection:
+        for table in ("identifications", "diagnoses", "models"):
+            connection.execute(f"DROP TRIGGER {table}_no_update")
+            connection.execute(f"UPDATE {table} SET recorded_at = '2027'")
+
+    with contextlib.closing(Database(f"sqlite:///{file}")) as database:
+        found = await WorkList(database).page(_EVERY, limit=4)
+
+    assert named(found.items) == [("model", 2), ("model", 1), ("diagnosis", 1), ("identification", 1)]
+
+
 async def test_each_kind_says_its_state_and_its_robot(work):
     found = {(item.kind.value, item.id): item for item in (await work.page(_EVERY)).items}
 

@@ -3,9 +3,9 @@
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
-from sqlalchemy import Connection, Select, cast, func, select, true, union_all
+from sqlalchemy import Connection, Select, case, cast, func, select, true, union_all
 
 from truepose.storage.database import Database
 from truepose.storage.engine.dialects import WHOLE, entries_at, number_at
@@ -21,6 +21,9 @@ from truepose.storage.tables import (
     models,
     validations,
 )
+
+# What one transaction made may have one moment: an identification comes before its model.
+_ORDER: Final = {kind: place for place, kind in enumerate(WorkKind)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +67,8 @@ def _page(
 ) -> WorkPage:
     listed = union_all(*(SOURCES[kind].numbers(kind, texts) for kind in kinds)).subquery()
     total = connection.scalar(select(func.count()).select_from(listed)) or 0
-    newest = select(listed).order_by(listed.c.recorded_at.desc(), listed.c.id.desc(), listed.c.kind)
+    place = case({kind.value: place for kind, place in _ORDER.items()}, value=listed.c.kind)
+    newest = select(listed).order_by(listed.c.recorded_at.desc(), place.desc(), listed.c.id.desc())
     # Numbers first, whole items only of the fifty that are shown: one query a kind (decision 0058).
     rows = connection.execute(newest.offset(skip).limit(limit)).all()
     wanted = [(WorkKind(row.kind), int(row.id)) for row in rows]
@@ -137,11 +141,7 @@ def _lineage(connection: Connection, kind: WorkKind, number: int) -> Lineage:
     family.rise(kind, number)
     family.descend(kind, number)
     items = items_of(connection, family.members)
-    # Moments alone do not order what one transaction made.
     return Lineage(tuple(sorted(items.values(), key=lambda one: (one.recorded_at, _ORDER[one.kind], one.id))))
-
-
-_ORDER = {kind: place for place, kind in enumerate(WorkKind)}
 
 
 class _Family:
