@@ -59,6 +59,12 @@ def test_the_line_below_the_arm_has_lengths_and_no_nan(service, tablet):
     assert said == "Configuration 4: error 0.422 mm before, 0.047 mm after."
 
 
+def test_a_view_that_is_not_there_yet_says_so(service, tablet):
+    tablet.goto(service.diagnosed(service.measured_session("left arm"), two_findings()))
+
+    expect(tablet.locator("robot-view [data-part=pose]")).to_have_text("Loading the 3D view …")
+
+
 def test_the_list_leads_to_the_report(service, tablet):
     service.diagnosed(service.measured_session("left arm"), consistent())
 

@@ -16,6 +16,7 @@ export function filled(words, values) {
 export class SpaceView extends HTMLElement {
   connectedCallback() {
     this.shown = 0; // which of the poses
+    this.part("pose").textContent = this.part("pose").dataset.loading;
     this.seen = new IntersectionObserver(([entry]) => entry.isIntersecting && this.open());
     this.seen.observe(this);
   }
