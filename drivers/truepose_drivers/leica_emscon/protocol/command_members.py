@@ -26,7 +26,7 @@ class Exchange:
 
 # By name: the request of SET_<name> and the answer of GET_<name>.
 _SET_AND_TOLD: Mapping[str, str] = {
-    "TEMPERATURE_RANGE": "TrackerTemperatureRange temperature_range",
+    "TEMPERATURE_RANGE": "i32 temperature_range",
     "UNITS": (
         "LengthUnit len_unit_type; AngleUnit ang_unit_type; TemperatureUnit temp_unit_type; "
         "PressureUnit press_unit_type; HumidityUnit hum_unit_type"
@@ -58,7 +58,7 @@ _SET_AND_TOLD: Mapping[str, str] = {
         "send_reflector_position_data try_measurement_mode has_nivel has_video_camera"
     ),
     "TRANSFORMATION_INPUT_PARAMS": (
-        "TransResultType result_type; f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 "
+        "i32 result_type; f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 "
         "scale trans_std_val1 trans_std_val2 trans_std_val3 rot_std_val1 rot_std_val2 rot_std_val3 "
         "scale_std"
     ),
@@ -66,14 +66,11 @@ _SET_AND_TOLD: Mapping[str, str] = {
     "STATISTIC_MODE": "StatisticMode stationary_measurements; StatisticMode continuous_measurements",
     "CAMERA_PARAMS": "i32 contrast brightness saturation",
     "LASER_ON_TIMER": "i32 laser_on_time_offset_hour laser_on_time_offset_minute",
-    "TRIGGER_SOURCE": "TriggerSource trigger_source",
-    "MEASUREMENT_CAMERA_MODE": "MeasurementCameraMode camera_mode",
+    "TRIGGER_SOURCE": "i32 trigger_source",
+    "MEASUREMENT_CAMERA_MODE": "i32 camera_mode",
     "T_CAM_TO_TRACKER_COMPENSATION": "i32 internal_t_cam_to_tracker_compensation_id",
     "PROBE_COMPENSATION": "i32 internal_probe_compensation_id",
-    "EXTERN_TRIGGER_PARAMS": (
-        "ClockTransition clock_transition; TriggerMode trigger_mode; TriggerStartSignal start_signal; "
-        "i32 minimal_time_delay"
-    ),
+    "EXTERN_TRIGGER_PARAMS": "i32 clock_transition trigger_mode start_signal minimal_time_delay",
 }
 _REQUESTS: dict[Command, str] = {
     Command.SWITCH_LASER: "bool is_on",
@@ -83,16 +80,14 @@ _REQUESTS: dict[Command, str] = {
     Command.POINT_LASER: "f64 val1 val2 val3",
     Command.POINT_LASER_HVD: "f64 hz_angle vt_angle distance",
     Command.MOVE_HV: "i32 hz_speed vt_speed",
-    Command.GO_NIVEL_POSITION: "NivelPosition nivel_position",
+    Command.GO_NIVEL_POSITION: "i32 nivel_position",
     Command.FIND_REFLECTOR: "f64 aprox_distance",
     Command.LOOK_FOR_TARGET: "f64 val1 val2 val3 search_radius",
     Command.ADD_TRANSFORMATION_NOMINAL_POINT: "f64 val1 val2 val3 std1 std2 std3 covar12 covar13 covar23",
     Command.ADD_TRANSFORMATION_ACTUAL_POINT: "f64 val1 val2 val3 std1 std2 std3 covar12 covar13 covar23",
     Command.ADD_DRIVE_POINT: "i32 internal_reflector_id; f64 val1 val2 val3",
-    Command.GET_STILL_IMAGE: "StillImageFileType image_file_type",
-    Command.CONVERT_DISPLAY_COORDINATES: (
-        "DisplayCoordinateConversionType conversion_type; f64 val1 val2 val3"
-    ),
+    Command.GET_STILL_IMAGE: "i32 image_file_type",
+    Command.CONVERT_DISPLAY_COORDINATES: "i32 conversion_type; f64 val1 val2 val3",
     Command.GO_BIRD_BATH2: "bool clock_wise",
     Command.GET_ERROR_ELLIPSOID: (
         "f64 coord1 coord2 coord3 std_dev1 std_dev2 std_dev3 covar12 covar13 covar23"
@@ -101,7 +96,7 @@ _REQUESTS: dict[Command, str] = {
     Command.GET_LONG_SYSTEM_PARAMETER: "SystemParameter system_param",
     Command.SET_DOUBLE_SYSTEM_PARAMETER: "SystemParameter system_param; f64 parameter",
     Command.GET_DOUBLE_SYSTEM_PARAMETER: "SystemParameter system_param",
-    Command.CLEAR_COMMAND_QUEUE: "ClearCommandQueueType clear_queue_type",
+    Command.CLEAR_COMMAND_QUEUE: "i32 clear_queue_type",
     Command.GO_AND_MEASURE: "f64 val1 val2 val3",
     Command.SET_TIP_ADAPTER: "i32 internal_tip_adapter_id",
 }
@@ -130,7 +125,7 @@ _ANSWERS: dict[Command, str] = {
         "residual_val1 residual_val2 residual_val3"
     ),
     Command.CALL_INTERMEDIATE_COMPENSATION: "f64 total_rms max_dev; i32 warning_flags",
-    Command.GET_STILL_IMAGE: "StillImageFileType image_filetype; i32 file_size; u8 file_start",
+    Command.GET_STILL_IMAGE: "i32 image_filetype file_size; u8 file_start",
     Command.GET_COMPENSATIONS: (
         "i32 total_compensations internal_compensation_id; text32 tracker_compensation_name; text128 "
         "tracker_compensation_comment; text32 adm_compensation_name; bool "
@@ -157,8 +152,7 @@ _ANSWERS: dict[Command, str] = {
     Command.CONVERT_DISPLAY_COORDINATES: "f64 val1 val2 val3",
     Command.GET_FACE: "TrackerFace tracker_face",
     Command.GET_CAMERAS: (
-        "i32 total_cameras internal_camera_id serial_number; MeasurementCameraType camera_type; "
-        "text32 name; text128 comment"
+        "i32 total_cameras internal_camera_id serial_number camera_type; text32 name; text128 comment"
     ),
     Command.GET_CAMERA: "i32 internal_camera_id; bool measurement_camera_is_mounted",
     Command.GET_PROBES: (
@@ -168,7 +162,7 @@ _ANSWERS: dict[Command, str] = {
     Command.GET_PROBE: "i32 internal_probe_id",
     Command.GET_TIP_ADAPTERS: (
         "i32 total_tip_adapters internal_tip_adapter_id assembly_id serial_number_low_part "
-        "serial_number_high_part; TipType tip_type; f64 radius length; text32 name; text128 comment"
+        "serial_number_high_part tip_type; f64 radius length; text32 name; text128 comment"
     ),
     Command.GET_TIP_ADAPTER: "i32 internal_tip_adapter_id tip_adapter_interface",
     Command.GET_T_CAM_TO_TRACKER_COMPENSATIONS: (
@@ -192,16 +186,16 @@ _ANSWERS: dict[Command, str] = {
         "f64 std_dev_x std_dev_y std_dev_z rotation_angle_x rotation_angle_y rotation_angle_z"
     ),
     Command.GET_MEASUREMENT_CAMERA_INFO: (
-        "i32 firmware_major_version_number firmware_minor_version_number serial_number; "
-        "MeasurementCameraType camera_type; text32 name; i32 compensation_id_number "
+        "i32 firmware_major_version_number firmware_minor_version_number serial_number "
+        "camera_type; text32 name; i32 compensation_id_number "
         "zoom_serial_number zoom_adjustment_id_number zoom2_d_compensation_id_number "
         "zoom_proj_center_comp_id_number; f64 max_distance min_distance; i32 nr_of_pixels_x "
         "nr_of_pixels_y; f64 pixel_size_x pixel_size_y; i32 max_data_rate"
     ),
     Command.GET_MEASUREMENT_PROBE_INFO: (
         "i32 firmware_major_version_number firmware_minor_version_number serial_number; ProbeType "
-        "probe_type; i32 compensation_id_number active_field; ProbeConnectionType connection_type; "
-        "i32 number_of_tip_adapters; ProbeButtonType probe_button_type; i32 number_of_fields; bool "
+        "probe_type; i32 compensation_id_number active_field connection_type "
+        "number_of_tip_adapters probe_button_type number_of_fields; bool "
         "has_wide_angle_receiver; i32 number_of_tip_data_sets number_of_melodies "
         "number_of_loudnes_steps"
     ),
@@ -241,7 +235,7 @@ _ANSWERS: dict[Command, str] = {
     Command.GET_TIP_TO_PROBE_COMPENSATIONS2: (
         "i32 total_compensations internal_tip_to_probe_compensation_id internal_tip_adapter_id "
         "tip_adapter_interface internal_probe_compensation_id; bool marked_for_export; "
-        "TipToProbeCompensationType compensation_type; text32 tip_to_probe_compensation_name; text128 "
+        "i32 compensation_type; text32 tip_to_probe_compensation_name; text128 "
         "tip_to_probe_compensation_comment; text32 shank_compensation_name"
     ),
     Command.GET_ATR_INFO: (

@@ -202,18 +202,6 @@ class TriggerCardType(IntEnum):
     SINGLE_TRACKER = 1
 
 
-class MeasurementCameraType(IntEnum):
-    """Kind of six-degree-of-freedom camera."""
-
-    NONE = 0
-    TCAM700 = 1
-    TCAM800 = 2
-    TCAM706 = 3
-    TCAM709 = 4
-    TCAM_LR = 5
-    TCAM_MR = 6
-
-
 class ProbeType(IntEnum):
     """Kind of six-degree-of-freedom probe."""
 
@@ -225,45 +213,3 @@ class ProbeType(IntEnum):
     MACHINE_CONTROL_PROBE_MULTI_SIDE = 5
     TCAM_TO_TRACKER_TOOL = 100
     ZOOM_ARTIFACT_TOOL = 200
-
-
-class ProbeConnectionType(IntEnum):
-    """How a probe is connected."""
-
-    NONE = 0
-    CABLE_CONTROLLER = 1
-    CABLE_SENSOR = 2
-    IR_LASER = 3
-    IR_WIDE_ANGLE = 4
-
-
-class ProbeButtonType(IntEnum):
-    """Buttons of a probe."""
-
-    NONE = 0
-    MEASUREMENT = 1
-    FOUR_BUTTON = 2
-
-
-class TipType(IntEnum):
-    """Kind of probe tip."""
-
-    NONE = 0
-    FIXED = 1
-    SCANNER = 2
-    TOUCH_TRIGGER = 3
-    OPTICAL_TRIGGER = 4
-    THREAD_WITH_ID_FIXED = 101
-    THREAD_WITH_ID_SCANNER = 102
-    THREAD_WITH_ID_TOUCH_TRIGGER = 103
-    THREAD_WITH_ID_OPTICAL_TRIGGER = 104
-    THREAD = 200
-    VIRTUAL = 999
-
-
-class TipToProbeCompensationType(IntEnum):
-    """What a tip compensation covers."""
-
-    UNKNOWN = 0
-    TIP_ONLY = 1
-    SHANK_ENABLED = 2

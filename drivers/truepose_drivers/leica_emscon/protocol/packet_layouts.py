@@ -4,8 +4,9 @@ Source: emScon SDK 3.6, C header: `lPacketSize` (i32, whole packet) and `type` (
 
 A layout such as ``"f64 val1 val2; bool use_adm; LengthUnit unit"`` lists kinds and members in wire order.
 Kinds are `i32`, `u8` (padded to 4 bytes), `f64`, `bool` (4 bytes), `text32` and `text128` (UTF-16LE, zero
-padded), or an enumeration of the header (4 bytes). Members carry the header's names in snake case without
-their type prefix, so that its manual still helps. Structures are packed to 4 bytes: no hidden padding.
+padded), or an enumeration of the header (4 bytes), of which those that nobody here reads or sets are `i32`.
+Members carry the header's names in snake case without their type prefix, so that its manual still helps.
+Structures are packed to 4 bytes: no hidden padding.
 """
 
 import struct

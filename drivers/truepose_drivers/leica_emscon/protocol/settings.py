@@ -91,96 +91,12 @@ class RegionType(IntEnum):
     BOX = 1
 
 
-class TransResultType(IntEnum):
-    """What CallTransformation computes."""
-
-    AS_TRANSFORMATION = 0
-    AS_ORIENTATION = 1
-
-
-class DisplayCoordinateConversionType(IntEnum):
-    """Direction of ConvertDisplayCoordinates."""
-
-    BASE_TO_CURRENT = 0
-    CURRENT_TO_BASE = 1
-
-
-class TrackerTemperatureRange(IntEnum):
-    """Range of air temperature the tracker is set for."""
-
-    LOW = 0
-    MEDIUM = 1
-    HIGH = 2
-    AUTOMATIC = 3
-
-
 class WeatherMonitorStatus(IntEnum):
     """What the server does with the weather station."""
 
     NOT_CONNECTED = 0
     READ_ONLY = 1
     READ_AND_CALCULATE_REFRACTIONS = 2
-
-
-class NivelPosition(IntEnum):
-    """Where to turn the tracker for a tilt reading."""
-
-    POS1 = 0
-    POS2 = 1
-    POS3 = 2
-    POS4 = 3
-
-
-class StillImageFileType(IntEnum):
-    """Format of a camera picture."""
-
-    BITMAP = 0
-    JPEG = 1
-
-
-class MeasurementCameraMode(IntEnum):
-    """What the measurement camera is used for."""
-
-    MEASURE = 0
-    OVERVIEW = 1
-
-
-class TriggerSource(IntEnum):
-    """Who triggers a measurement."""
-
-    UNDEFINED = 0
-    INTERNAL_APPLICATION = 1
-    EXTERNAL = 2
-    EXTERNAL_EVENT_MESSAGE = 3
-
-
-class ClockTransition(IntEnum):
-    """Edge of the external clock that counts."""
-
-    POSITIVE = 1
-    NEGATIVE = 0
-
-
-class TriggerMode(IntEnum):
-    """How an external trigger acts."""
-
-    EVENT_TRIGGER = 0
-    CONTINUOUS_EXTERNAL_CLOCK_WITH_START_STOP = 1
-    INTERNAL_CLOCK_WITH_EXTERNAL_START_STOP = 2
-
-
-class TriggerStartSignal(IntEnum):
-    """Level of the external start signal."""
-
-    HIGH = 1
-    LOW = 0
-
-
-class ClearCommandQueueType(IntEnum):
-    """Whose queued commands ClearCommandQueue removes."""
-
-    CLEAR_OWN_ONLY = 0
-    CLEAR_ALL = 1
 
 
 class SystemParameter(IntEnum):
