@@ -11,8 +11,9 @@ Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
 """
 
 import contextlib
-from collections.abc import Awaitable, Callable
-from typing import TypeVar, cast
+import functools
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 from truepose_drivers.api import (
     AnyDevice,
@@ -62,6 +63,34 @@ from truepose_drivers.plausibility import (
 )
 
 Value = TypeVar("Value")
+P = ParamSpec("P")
+Guard = TypeVar("Guard", bound="GuardedDevice")
+
+
+def _watched(
+    ask: Callable[Concatenate[Guard, P], Awaitable[Value]],
+) -> Callable[Concatenate[Guard, P], Coroutine[Any, Any, Value]]:
+    """Name the driver in what a call of it raises, and close the link where it must not go on."""
+
+    @functools.wraps(ask)
+    async def ask_watched(self: Guard, *args: P.args, **kwargs: P.kwargs) -> Value:
+        try:
+            return await ask(self, *args, **kwargs)
+        except ImplausibleReadingError as error:
+            # Closed, since the next answer of a device in this state could be taken for that to another
+            # question.
+            await self.close()
+            raise ImplausibleReadingError(f"device of driver {self._name}: {error}") from error
+        except RemoteProtocolError:
+            await self.close()
+            raise
+        except DriverError:
+            raise
+        except Exception as error:
+            await self.close()
+            raise fault_of(self._name, ask.__name__, error) from error
+
+    return ask_watched
 
 
 class GuardedDevice:
@@ -82,42 +111,23 @@ class GuardedDevice:
         except Exception:
             return False
 
+    @_watched
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""
         self._last_s = None
         # A clock that began anew while the link was down has not run back: order is asked within a connection
         # only.
-        await self._guarded("connect", self._device.connect)
+        await self._device.connect()
 
     async def close(self) -> None:
         """Close the link; never raises, whatever the driver does."""
         with contextlib.suppress(Exception):
             await self._device.close()
 
+    @_watched
     async def identify(self) -> DeviceIdentity:
         """Ask the device who it is."""
-
-        async def ask() -> DeviceIdentity:
-            return readable(await self._device.identify())
-
-        return await self._guarded("identify", ask)
-
-    async def _guarded(self, what: str, call: Callable[[], Awaitable[Value]]) -> Value:
-        try:
-            return await call()
-        except ImplausibleReadingError as error:
-            # Closed, since the next answer of a device in this state could be taken for that to another
-            # question.
-            await self.close()
-            raise ImplausibleReadingError(f"device of driver {self._name}: {error}") from error
-        except RemoteProtocolError:
-            await self.close()
-            raise
-        except DriverError:
-            raise
-        except Exception as error:
-            await self.close()
-            raise fault_of(self._name, what, error) from error
+        return readable(await self._device.identify())
 
     def _stamp(self, time_s: float) -> None:
         require_time(time_s, self._last_s)
@@ -134,9 +144,10 @@ class GuardedInstrument(GuardedDevice):
         """What it measures with; empty where the driver cannot tell."""
         return settings_of(self._device)
 
+    @_watched
     async def initialise(self) -> None:
         """Bring the instrument into a state in which it can measure."""
-        await self._guarded("initialise", self._device.initialise)
+        await self._device.initialise()
 
 
 class GuardedTracker(GuardedInstrument):
@@ -144,48 +155,38 @@ class GuardedTracker(GuardedInstrument):
 
     _device: PointTracker
 
+    @_watched
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
         """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
-        await self._guarded(
-            "find_reflector",
-            lambda: self._device.find_reflector(near_mm, search_radius_mm=search_radius_mm),
-        )
+        await self._device.find_reflector(near_mm, search_radius_mm=search_radius_mm)
 
+    @_watched
     async def measure_point(self, *, duration_s: float) -> TrackerReading:
         """Measure the reflector locked on; raises BeamBrokenError, ImplausibleReadingError."""
+        reading = await self._device.measure_point(duration_s=duration_s)
+        # Judged before its stamp is taken over: a reading that counts for nothing must not date the next
+        # one.
+        require_point(reading)
+        self._stamp(reading.time_s)
+        return reading
 
-        async def measure() -> TrackerReading:
-            reading = await self._device.measure_point(duration_s=duration_s)
-            # Judged before its stamp is taken over: a reading that counts for nothing must not date the next
-            # one.
-            require_point(reading)
-            self._stamp(reading.time_s)
-            return reading
-
-        return await self._guarded("measure_point", measure)
-
+    @_watched
     async def change_face(self) -> None:
         """Turn to the other face."""
-        await self._guarded("change_face", self._device.change_face)
+        await self._device.change_face()
 
+    @_watched
     async def reflector_now(self) -> Vector | None:
         """Return where the reflector is for people who look on; None also where the driver cannot tell."""
+        offered = reflector_of(self._device)
+        return None if offered is None else place_or_none(await offered())
 
-        async def ask() -> Vector | None:
-            offered = reflector_of(self._device)
-            return None if offered is None else place_or_none(await offered())
-
-        return await self._guarded("reflector_now", ask)
-
+    @_watched
     async def environment(self) -> Environment:
         """Read the weather station; raises ImplausibleReadingError."""
-
-        async def ask() -> Environment:
-            air = await self._device.environment()
-            require_environment(air)
-            return air
-
-        return await self._guarded("environment", ask)
+        air = await self._device.environment()
+        require_environment(air)
+        return air
 
 
 class GuardedPoseTracker(GuardedInstrument):
@@ -193,16 +194,13 @@ class GuardedPoseTracker(GuardedInstrument):
 
     _device: PoseTracker
 
+    @_watched
     async def measure_pose(self, *, duration_s: float) -> PoseReading:
         """Measure the artefact; raises ArtefactNotSeenError, OutOfVolumeError, ImplausibleReadingError."""
-
-        async def measure() -> PoseReading:
-            reading = await self._device.measure_pose(duration_s=duration_s)
-            require_pose(reading)
-            self._stamp(reading.time_s)
-            return reading
-
-        return await self._guarded("measure_pose", measure)
+        reading = await self._device.measure_pose(duration_s=duration_s)
+        require_pose(reading)
+        self._stamp(reading.time_s)
+        return reading
 
 
 class GuardedRobot(GuardedDevice):
@@ -227,27 +225,26 @@ class GuardedRobot(GuardedDevice):
         """What becomes of a motion when this program is gone; the worst where the driver cannot tell."""
         return motion_guard_of(self._device)
 
+    @_watched
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the speed limits of the following motions."""
-        await self._guarded("set_limits", lambda: self._device.set_limits(limits))
+        await self._device.set_limits(limits)
 
+    @_watched
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints; raises TargetRefusedError."""
-        await self._guarded("move_joints", lambda: self._device.move_joints(target_rad))
+        await self._device.move_joints(target_rad)
 
+    @_watched
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; raises ImplausibleReadingError."""
-
-        async def ask() -> JointReading:
-            reading = await self._device.read_joints()
-            require_joints(reading, self._joints)
-            self._stamp(reading.time_s)
-            # An arm does not change its number of joints, not even over connections: another number is
-            # another arm, or half a frame.
-            self._joints = len(reading.joints_rad)
-            return reading
-
-        return await self._guarded("read_joints", ask)
+        reading = await self._device.read_joints()
+        require_joints(reading, self._joints)
+        self._stamp(reading.time_s)
+        # An arm does not change its number of joints, not even over connections: another number is
+        # another arm, or half a frame.
+        self._joints = len(reading.joints_rad)
+        return reading
 
 
 class GuardedBallbar(GuardedDevice):
@@ -264,17 +261,14 @@ class GuardedBallbar(GuardedDevice):
         self._count = StandingCount()
         await super().connect()
 
+    @_watched
     async def read(self) -> BallbarReading:
         """Return the newest reading; raises ImplausibleReadingError."""
-
-        async def ask() -> BallbarReading:
-            reading = await self._device.read()
-            require_length(reading)
-            self._stamp(reading.time_s)
-            self._count.require_going_on(reading)
-            return reading
-
-        return await self._guarded("read", ask)
+        reading = await self._device.read()
+        require_length(reading)
+        self._stamp(reading.time_s)
+        self._count.require_going_on(reading)
+        return reading
 
 
 class GuardedGauge(GuardedDevice):
@@ -286,19 +280,16 @@ class GuardedGauge(GuardedDevice):
         """Return what the first gauge shows; raises ImplausibleReadingError."""
         return (await self.read_channels())[0]
 
+    @_watched
     async def read_channels(self) -> tuple[BallbarReading, ...]:
         """Return what all gauges show; raises ImplausibleReadingError."""
-
-        async def ask() -> tuple[BallbarReading, ...]:
-            # One question for all gauges of a box, so that a length and its neighbours are of one moment.
-            readings = await channels_of(self._device)
-            require_some(readings)
-            for reading in readings:
-                require_length(reading)
-                self._stamp(reading.time_s)
-            return readings
-
-        return await self._guarded("read_channels", ask)
+        # One question for all gauges of a box, so that a length and its neighbours are of one moment.
+        readings = await channels_of(self._device)
+        require_some(readings)
+        for reading in readings:
+            require_length(reading)
+            self._stamp(reading.time_s)
+        return readings
 
 
 class GuardedHands(GuardedDevice):
@@ -306,9 +297,10 @@ class GuardedHands(GuardedDevice):
 
     _device: SimulatedHands
 
+    @_watched
     async def do(self, action: str, details: Options) -> None:
         """Do one thing; raises DeviceRefusedError."""
-        await self._guarded("do", lambda: self._device.do(action, details))
+        await self._device.do(action, details)
 
 
 class GuardedClock:
