@@ -84,7 +84,7 @@ class CommandedMotion:
 
     def before_target_deg(self, joints_deg: Angles) -> float:
         """Return how far the joint has still to turn that has farthest."""
-        return _farthest(joints_deg, self.target_deg)
+        return farthest_off(joints_deg, self.target_deg)
 
     def leads_by(self, joints_deg: Angles) -> bool:
         """Whether an arm on this motion can be there."""
@@ -109,7 +109,7 @@ class Standstill:
         if not self._course.leads_by(joints_deg):
             return False
         # Compared with where it stood first, not with the last look: slow motion adds up.
-        if _farthest(joints_deg, self._stands_deg) > self._course.still_deg:
+        if farthest_off(joints_deg, self._stands_deg) > self._course.still_deg:
             self._stands_deg, self._since_s, self._patience_s = joints_deg, now_s, _STANDS_AFTER_S
         return now_s - self._since_s >= self._patience_s and self._is_before_target()
 
@@ -151,10 +151,6 @@ async def _stands_before_target_deg(look: Look, course: CommandedMotion) -> floa
         joints_deg = await look()
         if joints_deg is not None and standstill.lasts(joints_deg, loop.time()):
             return course.before_target_deg(joints_deg)
-
-
-def _farthest(joints_deg: Angles, others_deg: Angles) -> float:
-    return max(abs(joint - other) for joint, other in zip(joints_deg, others_deg, strict=True))
 
 
 _BETWEEN_LOOKS_S: Final = 0.3  # at whether the arm can still move, while it does

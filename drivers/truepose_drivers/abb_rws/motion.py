@@ -9,7 +9,7 @@ from typing import Final
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.api import Clock, JointReading
-from truepose_drivers.arm_motion import degrees_text
+from truepose_drivers.arm_motion import degrees_text, farthest_off
 from truepose_drivers.errors import (
     BusyError,
     ConnectionLostError,
@@ -163,7 +163,7 @@ class RapidProgram:
         if await self._session.get(protocol.EXECUTION, protocol.execution) is protocol.Execution.STOPPED:
             await self._tell_stop(order, course)
         here_deg = await self.joints_deg()
-        if _distance_deg(here_deg, course.last_deg) > _SAME_PLACE_DEG:
+        if farthest_off(here_deg, course.last_deg) > _SAME_PLACE_DEG:
             return _ObservedMotion(course.start_deg, here_deg, _now_s())
         if _now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
@@ -178,7 +178,7 @@ class RapidProgram:
         if now.obstacle is not None:
             raise NotInitialisedError(f"the robot stopped on its way: {now.obstacle}; then confirm")
         said = await self._session.get(f"{protocol.EVENT_LOG}?lang=en", protocol.last_event)
-        if _distance_deg(await self.joints_deg(), course.start_deg) <= _SAME_PLACE_DEG:
+        if farthest_off(await self.joints_deg(), course.start_deg) <= _SAME_PLACE_DEG:
             raise _refused(order, said)
         raise NotInitialisedError(
             f"the robot's program stopped on its way{_quoted(said)}: look at the pendant, then confirm"
@@ -224,10 +224,6 @@ def _refused(order: protocol.Order, said: str) -> TargetRefusedError:
 
 def _quoted(said: str) -> str:
     return f' (its event log ends with "{said}")' if said else ""
-
-
-def _distance_deg(first: tuple[float, ...], second: tuple[float, ...]) -> float:
-    return max(abs(one - other) for one, other in zip(first, second, strict=True))
 
 
 def _now_s() -> float:

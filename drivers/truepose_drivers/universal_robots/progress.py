@@ -2,6 +2,7 @@
 
 import math
 
+from truepose_drivers.arm_motion import degrees_text, farthest_off
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
@@ -68,7 +69,7 @@ class Progress:
         self._begun = self._begun or state.begun == self._order.number
         if state.plays or not self._begun:
             self._running_s = now_s
-        if not self._begun or _distance(state.joints_rad, self._stood_rad) > STANDING_RAD:
+        if not self._begun or farthest_off(state.joints_rad, self._stood_rad) > STANDING_RAD:
             self._moved_s = now_s
             self._stood_rad = state.joints_rad
 
@@ -86,10 +87,10 @@ class Progress:
 
     def _broken_off(self, state: RobotState, said: str) -> DeviceRefusedError:
         # The state does not say why a program ended; but an arm that never moved was refused its target.
-        if _distance(state.joints_rad, self._before.joints_rad) <= STANDING_RAD:
-            shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in self._order.target_rad)
+        if farthest_off(state.joints_rad, self._before.joints_rad) <= STANDING_RAD:
+            refused = degrees_text([math.degrees(angle) for angle in self._order.target_rad])
             return TargetRefusedError(
-                f"the robot refused the joint target ({shown}) deg: look at the pendant for the"
+                f"the robot refused the joint target ({refused}) deg: look at the pendant for the"
                 f" reason{_quoted(said)}"
             )
         return NotInitialisedError(
@@ -103,10 +104,6 @@ class Progress:
                 f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not arrived: look at the"
                 " pendant for a paused program, then connect again"
             )
-
-
-def _distance(first: tuple[float, ...], second: tuple[float, ...]) -> float:
-    return max(abs(one - other) for one, other in zip(first, second, strict=True))
 
 
 def _quoted(said: str) -> str:
