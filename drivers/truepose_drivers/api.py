@@ -304,8 +304,8 @@ AnyGuarded: TypeAlias = (
 class DriverPlugin:
     """A registered driver: its configuration name, what it drives, and how to open it.
 
-    `open` takes the options of the cell file (host, port, ...) and the cell's clock; it connects nothing.
-    What it returns must do for its `kind` and for every one in `also`.
+    `open` takes the options of the cell file (host, port, ...) and the clock that stamps its readings; it
+    connects nothing. What it returns must do for its `kind` and for every one in `also`.
     """
 
     name: str
@@ -319,6 +319,6 @@ class DriverPlugin:
 class OpenDriver(Protocol):
     """Builds a driver from its options; connects nothing."""
 
-    def __call__(self, options: Options, clock: Clock | None) -> AnyDevice:
+    def __call__(self, options: Options, clock: Clock) -> AnyDevice:
         """Return the driver; raises ConfigurationError for an option that is missing or wrong."""
         ...

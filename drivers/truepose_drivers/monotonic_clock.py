@@ -18,7 +18,7 @@ class MonotonicClock:
         await asyncio.sleep(duration_s)
 
 
-def _open(options: Options, clock: Clock | None) -> MonotonicClock:
+def _open(options: Options, clock: Clock) -> MonotonicClock:
     return MonotonicClock()
 
 

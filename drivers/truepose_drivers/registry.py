@@ -13,6 +13,7 @@ from typing import get_args
 from truepose_drivers.api import AnyGuarded, Clock, DeviceKind, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError, DriverError
 from truepose_drivers.guard import fault_of, guarded
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 ENTRY_POINT_GROUP = "truepose.drivers"
 
@@ -64,7 +65,7 @@ class DriverRegistry:
                 f"driver {name} has no option {', '.join(unknown)}; its options: {known}"
             )
         try:
-            return guarded(name, self.kind(name, use), plugin.open(options, clock))
+            return guarded(name, self.kind(name, use), plugin.open(options, clock or MonotonicClock()))
         except ConfigurationError as error:
             # A cell file has several devices, and the driver's own sentence does not say which.
             raise ConfigurationError(f"driver {name}: {error}") from error

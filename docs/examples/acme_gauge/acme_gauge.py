@@ -9,7 +9,6 @@ import re
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.line_gauges.protocol import TextLines
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
@@ -65,8 +64,8 @@ class AcmeGauge:
         return await self._conversation.ask(f"{word}\n".encode(), decode, timeout_s=1.0, silence=silence)
 
 
-def _open(options: Options, clock: Clock | None) -> AcmeGauge:
-    return AcmeGauge(tcp_link(options, 9001), clock or MonotonicClock())
+def _open(options: Options, clock: Clock) -> AcmeGauge:
+    return AcmeGauge(tcp_link(options, 9001), clock)
 
 
 _OPTIONS = {"host": "address of the gauge", "port": "TCP port, 9001 unless changed"}

@@ -40,7 +40,6 @@ from truepose_drivers.errors import (
     NoReplyError,
     TargetRefusedError,
 )
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Link, drain, open_patiently
 from truepose_drivers.transports.tcp import tcp_link
@@ -372,12 +371,11 @@ def _in_degrees(angles_rad: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(map(math.degrees, angles_rad))
 
 
-def _open(options: Options, clock: Clock | None) -> FullRobot:
-    keeps_time = clock or MonotonicClock()
+def _open(options: Options, clock: Clock) -> FullRobot:
     tool_mm = option.vector(options, "tool_mm")
     log = JointLog(tcp_link(options, port="log_port")) if "log_port" in options else None
-    robot = OpenAbbRobot(tcp_link(options, protocol.MOTION_PORT), keeps_time, tool_mm=tool_mm, log=log)
-    return read_by_egm(watched_by_rws(robot, options, keeps_time), options, keeps_time)
+    robot = OpenAbbRobot(tcp_link(options, protocol.MOTION_PORT), clock, tool_mm=tool_mm, log=log)
+    return read_by_egm(watched_by_rws(robot, options, clock), options, clock)
 
 
 _OPTIONS = {

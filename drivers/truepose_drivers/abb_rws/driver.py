@@ -34,7 +34,6 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     TargetRefusedError,
 )
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -132,10 +131,9 @@ class RwsRobot:
             return _UNKNOWN
 
 
-def _open(options: Options, clock: Clock | None) -> FullRobot:
-    keeps_time = clock or MonotonicClock()
-    robot = RwsRobot(tcp_link(options, protocol.PORT), keeps_time, login_of(options))
-    return read_by_egm(robot, options, keeps_time)
+def _open(options: Options, clock: Clock) -> FullRobot:
+    robot = RwsRobot(tcp_link(options, protocol.PORT), clock, login_of(options))
+    return read_by_egm(robot, options, clock)
 
 
 _OPTIONS = {

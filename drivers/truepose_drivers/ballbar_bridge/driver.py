@@ -3,7 +3,6 @@
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
 from truepose_drivers.framing import LineReader
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
@@ -103,8 +102,8 @@ class BridgedBallbar(OnePortDevice):
         self._last = sequence
 
 
-def _open(options: Options, clock: Clock | None) -> BridgedBallbar:
-    return BridgedBallbar(tcp_link(options, PORT), clock or MonotonicClock())
+def _open(options: Options, clock: Clock) -> BridgedBallbar:
+    return BridgedBallbar(tcp_link(options, PORT), clock)
 
 
 _OPTIONS = {

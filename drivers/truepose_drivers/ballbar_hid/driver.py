@@ -7,7 +7,6 @@ from typing import Literal
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_hid import protocol
 from truepose_drivers.errors import DeviceRefusedError, DriverError, NoReplyError
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
 from truepose_drivers.transports.link import introduction
@@ -110,14 +109,14 @@ def _signal(reading: protocol.BarReading) -> Literal["good", "out_of_range", "no
     return "out_of_range" if reading.out_of_range else "good"
 
 
-def _open(options: Options, clock: Clock | None) -> HidBallbar:
+def _open(options: Options, clock: Clock) -> HidBallbar:
     where = usb_address(options)
     port = (
         HidapiPort(where, protocol.READING_BYTES)
         if isinstance(where, LocalUsb)
         else HidOverUsb(UsbDevice(where))
     )
-    return HidBallbar(port, clock or MonotonicClock())
+    return HidBallbar(port, clock)
 
 
 _OPTIONS = {

@@ -65,7 +65,7 @@ class CellClock:
                 self._idle.append(conversation)
 
 
-def _open(options: Options, clock: Clock | None) -> CellClock:
+def _open(options: Options, clock: Clock) -> CellClock:
     host, port = option.host(options), option.port(options)
     return CellClock(lambda: TcpLink(host, port))
 

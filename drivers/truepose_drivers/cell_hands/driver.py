@@ -53,7 +53,7 @@ class CellHands(OnePortDevice):
         )
 
 
-def _open(options: Options, clock: Clock | None) -> CellHands:
+def _open(options: Options, clock: Clock) -> CellHands:
     return CellHands(tcp_link(options))
 
 

@@ -33,7 +33,6 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.fanuc_mappdk.conversation import Dialogue
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, open_patiently
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -246,11 +245,11 @@ class MappdkRobot(CountedArm):
         return protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(target_deg, 1))
 
 
-def _open(options: Options, clock: Clock | None) -> MappdkRobot:
+def _open(options: Options, clock: Clock) -> MappdkRobot:
     logger = tcp_link(options, protocol.LOGGER_PORT, port="logger_port")
     return MappdkRobot(
         tcp_link(options, protocol.MOTION_PORT),
-        clock or MonotonicClock(),
+        clock,
         logger=logger,
         counting=arm_options.counting(options),
         pace=arm_options.pace(options),

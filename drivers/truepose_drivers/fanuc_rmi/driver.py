@@ -30,7 +30,6 @@ from truepose_drivers.errors import (
 from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
 from truepose_drivers.fanuc_rmi.motion_segments import LONGEST_PIECE_S, PieceMaker
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -275,11 +274,11 @@ def _now_s() -> float:
     return asyncio.get_running_loop().time()
 
 
-def _open(options: Options, clock: Clock | None) -> RmiRobot:
+def _open(options: Options, clock: Clock) -> RmiRobot:
     host = option.host(options)
     return RmiRobot(
         lambda port: TcpLink(host, port, connect_timeout_s=_SECOND_PORT_OPENS_WITHIN_S),
-        clock or MonotonicClock(),
+        clock,
         first_port=option.port(options, protocol.CONNECT_PORT),
         counting=arm_options.counting(options),
         pace=arm_options.pace(options),

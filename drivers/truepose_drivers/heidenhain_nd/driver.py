@@ -7,7 +7,6 @@ from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError, NoReplyError
 from truepose_drivers.heidenhain_nd import protocol
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.serial import Framing, SerialLink
@@ -172,17 +171,17 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
     raise protocol.NdProtocolError("the counter told its error twice: one of them is left from before")
 
 
-def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:
+def _open(options: Options, clock: Clock) -> HeidenhainCounter:
     port = option.text(options, "serial")
     if port is None:
         tcp = tcp_link(options, _TERMINAL_SERVER_PORT)
-        return HeidenhainCounter(tcp, clock or MonotonicClock())
+        return HeidenhainCounter(tcp, clock)
     if "host" in options or "port" in options:
         raise ConfigurationError("serial and host are two ways to the same counter: give one of them")
     baud = _baud(options)
     return HeidenhainCounter(
         SerialLink(port, replace(_FACTORY, baud=baud)),
-        clock or MonotonicClock(),
+        clock,
         # At 110 baud the characters alone are on the line for 8 s, which must not pass for silence.
         reply_timeout_s=_REPLY_TIMEOUT_S + _ON_THE_LINE_BITS / baud,
     )

@@ -32,7 +32,6 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.framing import LineReader
 from truepose_drivers.json_bridge import protocol
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
@@ -319,8 +318,8 @@ def _ready(answer: protocol.Answer) -> tuple[str, int, str]:
     )
 
 
-def _open(options: Options, clock: Clock | None) -> BridgedTracker:
-    return BridgedTracker(tcp_link(options, PORT), clock or MonotonicClock())
+def _open(options: Options, clock: Clock) -> BridgedTracker:
+    return BridgedTracker(tcp_link(options, PORT), clock)
 
 
 _OPTIONS = {

@@ -16,7 +16,6 @@ from truepose_drivers.line_gauges.conversation import (
     serial_or_tcp,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Reader
 from truepose_drivers.transports.serial import Framing
 
@@ -68,11 +67,11 @@ def _display(amplifier: protocol.Amplifier) -> Display:
     )
 
 
-def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
+def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     on_network = {} if "serial" in options else {"port": _PORT}
     return LineGauges(
         serial_or_tcp({**on_network, **options}, _FACTORY),
-        clock or MonotonicClock(),
+        clock,
         KeyenceUnit(),
         gauge_settings(options, most_channels=protocol.MOST_AMPLIFIERS),
         settle_s=_SETTLE_S,

@@ -22,7 +22,6 @@ from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import DeviceRefusedError, TargetRefusedError
 from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_drivers.kuka_variable_proxy.conversation import Order, Program, VariableProxy
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -126,10 +125,10 @@ def _inclined(steps_deg: Sequence[float]) -> Angles:
     return (first, second, -(second + third), *wrist)
 
 
-def _open(options: Options, clock: Clock | None) -> KukaRobot:
+def _open(options: Options, clock: Clock) -> KukaRobot:
     return KukaRobot(
         tcp_link(options, protocol.PROXY_PORT),
-        clock or MonotonicClock(),
+        clock,
         signs=arm_options.signs(options, _SIGNS),
         pace=arm_options.pace(options, _AGILUS_PACE),
     )

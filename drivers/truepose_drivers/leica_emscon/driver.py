@@ -14,7 +14,6 @@ from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts,
 from truepose_drivers.leica_emscon.protocol import DEFAULT_PORT, Command, PacketType, Record, Request
 from truepose_drivers.leica_emscon.protocol.equipment import TargetType, TrackerFace
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, StatisticMode
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -199,9 +198,9 @@ def _names(stored: dict[str, Record]) -> str:
     return ", ".join(sorted(stored)) or "none at all"
 
 
-def _open(options: Options, clock: Clock | None) -> LaserTracker:
+def _open(options: Options, clock: Clock) -> LaserTracker:
     link = tcp_link(options, DEFAULT_PORT)
-    return LaserTracker(link, clock or MonotonicClock(), reflector=option.text(options, "reflector"))
+    return LaserTracker(link, clock, reflector=option.text(options, "reflector"))
 
 
 _OPTIONS = {

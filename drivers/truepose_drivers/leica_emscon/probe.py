@@ -22,7 +22,6 @@ from truepose_drivers.leica_emscon.error_codes import CommandUnknownError
 from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts, require_deviations
 from truepose_drivers.leica_emscon.protocol.equipment import MeasurementTipStatus, ProbeType
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, SystemParameter
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -213,9 +212,9 @@ def _probe_sentence(probe: protocol.Record) -> str:
     )
 
 
-def _open(options: Options, clock: Clock | None) -> ProbeTracker:
+def _open(options: Options, clock: Clock) -> ProbeTracker:
     link = tcp_link(options, protocol.DEFAULT_PORT)
-    return ProbeTracker(link, clock or MonotonicClock(), probe=option.text(options, "probe"))
+    return ProbeTracker(link, clock, probe=option.text(options, "probe"))
 
 
 _OPTIONS = {

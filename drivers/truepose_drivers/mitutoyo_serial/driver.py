@@ -15,7 +15,6 @@ from truepose_drivers.line_gauges.conversation import (
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.mitutoyo_serial import protocol
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Reader
 from truepose_drivers.transports.serial import Framing
 
@@ -53,10 +52,10 @@ def _display(reply: protocol.Reply, channel: int) -> Display:
     return Display(reply.value)
 
 
-def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
+def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     return LineGauges(
         serial_or_tcp(options, _FACTORY),
-        clock or MonotonicClock(),
+        clock,
         MitutoyoBox(),
         gauge_settings(options, most_channels=protocol.MOST_CHANNELS),
     )

@@ -7,7 +7,6 @@ from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPl
 from truepose_drivers.line_gauges.conversation import decimals as decimals_option
 from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn import protocol
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.link import introduction
 from truepose_drivers.transports.usb import UsbDevice, UsbPort, usb_address
@@ -132,12 +131,10 @@ class UsbItnGauge:
         await self._port.control_out(VENDOR_TO_DEVICE, protocol.SEND_COMMAND, data=command)
 
 
-def _open(options: Options, clock: Clock | None) -> UsbItnGauge:
+def _open(options: Options, clock: Clock) -> UsbItnGauge:
     where = usb_address(options, default=_ANY_CABLE)
     range_mm = option.positive(options, "range_mm", _RANGE_MM)
-    return UsbItnGauge(
-        UsbDevice(where), clock or MonotonicClock(), range_mm=range_mm, decimals=decimals_option(options)
-    )
+    return UsbItnGauge(UsbDevice(where), clock, range_mm=range_mm, decimals=decimals_option(options))
 
 
 _OPTIONS = {

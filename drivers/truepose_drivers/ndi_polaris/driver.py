@@ -18,7 +18,6 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     OutOfVolumeError,
 )
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.ndi_polaris import protocol
 from truepose_drivers.ndi_polaris.error_codes import CommandUnknownError, refusal, started_again
 from truepose_drivers.ndi_polaris.mean import mean_pose
@@ -295,8 +294,8 @@ def _require_seen(seen: int, lost: Counter[_Lost]) -> None:
     )
 
 
-def _open(options: Options, clock: Clock | None) -> PolarisTracker:
-    return PolarisTracker(_link(options), clock or MonotonicClock(), _definition(options))
+def _open(options: Options, clock: Clock) -> PolarisTracker:
+    return PolarisTracker(_link(options), clock, _definition(options))
 
 
 def _link(options: Options) -> Link:

@@ -22,7 +22,6 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.arm_motion import require_speeds, require_target
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, drain, introduction
 from truepose_drivers.transports.tcp import tcp_link
@@ -284,13 +283,13 @@ def _recipe(payload: bytes, wanted: Mapping[str, str]) -> protocol.Recipe:
     return protocol.agreed_recipe(number, types, wanted)
 
 
-def _open(options: Options, clock: Clock | None) -> UniversalRobot:
+def _open(options: Options, clock: Clock) -> UniversalRobot:
     ports = Ports(
         rtde=tcp_link(options, protocol.RTDE_PORT),
         script=tcp_link(options, SCRIPT_PORT, port="script_port"),
         dashboard=tcp_link(options, protocol.DASHBOARD_PORT, port="dashboard_port"),
     )
-    return UniversalRobot(ports, clock or MonotonicClock())
+    return UniversalRobot(ports, clock)
 
 
 _OPTIONS = {

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tests.helpers.machine import HANGS_S
 from truepose_drivers.ballbar_bridge.driver import PLUGIN
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 BRIDGE = Path(__file__).parents[3] / "docs" / "examples" / "ballbar_bridge.py"
 
@@ -23,7 +24,7 @@ async def test_numbers_on_standard_input_become_readings():
         stdin=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE,
     )  # fmt: skip
     port = int((await bridge.stderr.readline()).split()[-1])
-    driver = PLUGIN.open({"host": "127.0.0.1", "port": port}, None)
+    driver = PLUGIN.open({"host": "127.0.0.1", "port": port}, MonotonicClock())
     words = asyncio.create_task(say(bridge.stdin, ["0.5", "nonsense", "nan", "-0.25", "low", "none"]))
     try:
         async with asyncio.timeout(HANGS_S):

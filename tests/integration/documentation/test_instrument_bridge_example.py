@@ -15,6 +15,7 @@ from tests.helpers.machine import HANGS_S
 from truepose_drivers.errors import DeviceRefusedError, ReflectorNotFoundError
 from truepose_drivers.guard import guarded
 from truepose_drivers.json_bridge.driver import PLUGIN
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 BRIDGE = Path(__file__).parents[3] / "docs" / "examples" / "instrument_bridge.py"
 REFLECTOR_MM = (2000.0, 300.0, -150.0)
@@ -34,7 +35,9 @@ async def test_as_it_stands_it_is_a_tracker_of_points():
         sys.executable, str(BRIDGE), "--port", "0", stderr=asyncio.subprocess.PIPE
     )
     port = int((await bridge.stderr.readline()).split()[-1])
-    tracker = guarded("json_bridge", "tracker", PLUGIN.open({"host": "127.0.0.1", "port": port}, None))
+    tracker = guarded(
+        "json_bridge", "tracker", PLUGIN.open({"host": "127.0.0.1", "port": port}, MonotonicClock())
+    )
     try:
         async with asyncio.timeout(HANGS_S):
             await tracker.connect()

@@ -18,7 +18,6 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.line_gauges.protocol import TextLines
-from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import TcpLink
@@ -110,9 +109,9 @@ class AcmeTracker:
         )
 
 
-def _open(options: Options, clock: Clock | None) -> AcmeTracker:
+def _open(options: Options, clock: Clock) -> AcmeTracker:
     link = TcpLink(option.host(options), option.port(options, default=9000))
-    return AcmeTracker(link, clock or MonotonicClock())
+    return AcmeTracker(link, clock)
 
 
 PLUGIN = DriverPlugin(

@@ -7,10 +7,11 @@ from dataclasses import asdict
 
 from truepose_drivers.ballbar_hid.driver import PLUGIN
 from truepose_drivers.errors import DriverError
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 
 async def main(usb: str, readings: int) -> None:
-    driver = PLUGIN.open({"usb": usb}, None)
+    driver = PLUGIN.open({"usb": usb}, MonotonicClock())
     seen: dict[str, object] = {}
     try:
         await driver.connect()
