@@ -26,6 +26,7 @@ from truepose_drivers.api import (
     Options,
     Vector,
 )
+from truepose_drivers.arm import Arm
 from truepose_drivers.arm_motion import (
     CommandedMotion,
     answered_unless_it_stands,
@@ -74,7 +75,7 @@ class TimeOuts:
     rest_of_reply_s: float = 0.02  # how long the end of a reply without text may lag behind its status
 
 
-class OpenAbbRobot:
+class OpenAbbRobot(Arm):
     """An open_abb server on a link. Keeps the conversation; computes nothing."""
 
     can_stop_motion = False  # the server reads nothing while the arm moves
@@ -89,22 +90,16 @@ class OpenAbbRobot:
         log: JointLog | None = None,
     ) -> None:
         """Take the link to a controller; speeds hold at `tool_mm`, in the flange's frame."""
+        super().__init__(link, clock)
         self._link = link
         self._log = log
-        self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         self._turns = Turns(link)
         self._tool_mm = tool_mm
-        self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
         self._watches: bool | None = None  # our own server runs there; None: it has not been asked
         self._watching = False  # it was asked to watch the motions of this connection
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._link.is_open
 
     @property
     def motion_guard(self) -> MotionGuard:
@@ -248,11 +243,8 @@ class OpenAbbRobot:
         if not protocol.ends_for_certain(reply) or protocol.joint_decimals(reply) > self._finest_decimals:
             reply = await self._confirmed(reply)
         joints_deg = protocol.joint_angles_deg(reply, _JOINTS)
-        return JointReading(
-            joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(protocol.joint_resolution_deg(reply)),
-            time_s=await self._clock.now_s(),
-        )
+        joints_rad = tuple(map(math.radians, joints_deg))
+        return await self._reading(joints_rad, protocol.joint_resolution_deg(reply))
 
     async def _confirmed(self, reply: protocol.Reply) -> protocol.Reply:
         """Ask again where a digit may have been lost or come twice; raises OpenAbbProtocolError.

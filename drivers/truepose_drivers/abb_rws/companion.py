@@ -9,7 +9,7 @@ from truepose_drivers.abb_rws.protocol import FULL_PERCENT, Execution
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import NotInitialisedError
-from truepose_drivers.transports.link import introduction
+from truepose_drivers.transports.link import OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _LOWEST_PERCENT = 1.0  # at 0 nothing moves, and no motion has a duration
@@ -20,18 +20,14 @@ LOGIN_OPTIONS = {
 }
 
 
-class RwsCompanion:
+class RwsCompanion(OnePortDevice):
     """A session that asks and moves nothing."""
 
     def __init__(self, session: RwsSession, clock: Clock) -> None:
+        super().__init__(session)
         self._session = session
         self._clock = clock
         self._speed_percent = FULL_PERCENT  # as stated last
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._session.is_open
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""

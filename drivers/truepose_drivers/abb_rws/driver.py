@@ -5,7 +5,6 @@ it understood, sets off at the first beat and stops when the beats do. Before ev
 key switch, program and speed override is asked for anew.
 """
 
-import asyncio
 import math
 from typing import Final
 
@@ -23,10 +22,10 @@ from truepose_drivers.api import (
     FullRobot,
     JointReading,
     MotionGuard,
-    MotionLimits,
     Options,
 )
-from truepose_drivers.arm_motion import require_speeds, require_target
+from truepose_drivers.arm import Arm
+from truepose_drivers.arm_motion import require_target
 from truepose_drivers.errors import (
     BusyError,
     DeviceRefusedError,
@@ -39,12 +38,12 @@ from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
 _FURTHEST_RAD: Final = math.radians(3600.0)  # no joint is wound up further
-_FASTEST: Final = 1e9  # a number of RAPID, far beyond any arm
 
 
-class RwsRobot:
+class RwsRobot(Arm):
     """A controller on a link. Keeps the conversation; computes nothing."""
 
+    fastest = 1e9  # a number of RAPID, far beyond any arm
     can_stop_motion = True  # a motion that is not waited for any more is stopped
     # Our program stops a motion when it hears nothing, and says what it understood of an order.
     motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
@@ -59,15 +58,8 @@ class RwsRobot:
     ) -> None:
         known = login or Login(protocol.USER, protocol.PASSWORD)
         self._session = RwsSession(link, known)
-        self._clock = clock
+        super().__init__(self._session, clock)
         self._program = RapidProgram(self._session, patience or Patience())
-        self._limits = MotionLimits()
-        self._one_motion = asyncio.Lock()
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._session.is_open
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
@@ -85,11 +77,6 @@ class RwsRobot:
             serial=await self._stated(protocol.IDENTITY, "ctrl-id"),
             firmware=await self._stated(protocol.SYSTEM, "rwversion"),
         )
-
-    async def set_limits(self, limits: MotionLimits) -> None:
-        """Keep the speed limits of the following motions; they go out with each order and are read back."""
-        require_speeds(limits, _FASTEST)
-        self._limits = limits
 
     async def read_panel(self) -> Panel:
         """Ask for motors, key switch, program and speed override."""

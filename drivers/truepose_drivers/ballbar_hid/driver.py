@@ -9,7 +9,7 @@ from truepose_drivers.ballbar_hid import protocol
 from truepose_drivers.errors import DeviceRefusedError, DriverError, NoReplyError
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
-from truepose_drivers.transports.link import introduction
+from truepose_drivers.transports.link import OnePortDevice, introduction
 from truepose_drivers.transports.usb import LocalUsb, UsbDevice, usb_address
 
 _RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
@@ -18,23 +18,19 @@ _REPORT_TIMEOUT_S = 0.5
 _UNTRUSTED = protocol.Status.OVERSPEED | protocol.Status.NOT_REFERENCED
 
 
-class HidBallbar:
+class HidBallbar(OnePortDevice):
     """A ballbar that sends reports by itself."""
 
     def __init__(
         self, port: ReportPort, clock: Clock, *, report_timeout_s: float = _REPORT_TIMEOUT_S
     ) -> None:
-        self._port = port
+        super().__init__(port)
+        self._port: ReportPort = port
         self._clock = clock
         self._report_timeout_s = report_timeout_s
         self._nominal_mm = math.inf
         self._last: int | None = None  # number of the newest report of this connection
         self._turns = Turns(port, harmless=(DeviceRefusedError,))
-
-    @property
-    def connected(self) -> bool:
-        """Whether the device is there as far as known."""
-        return self._port.is_open
 
     async def connect(self) -> None:
         """Open the device, ask how long it is and let it send; raises ConnectFailedError."""

@@ -15,6 +15,7 @@ from truepose_drivers.api import (
     MotionGuard,
     Options,
 )
+from truepose_drivers.arm import CountedArm
 from truepose_drivers.arm_motion import (
     ARRIVED_DEG,
     CommandedMotion,
@@ -22,7 +23,6 @@ from truepose_drivers.arm_motion import (
     degrees_text,
 )
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
-from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,

@@ -16,9 +16,9 @@ from truepose_drivers.api import (
     MotionGuard,
     Options,
 )
+from truepose_drivers.arm import CountedArm
 from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
-from truepose_drivers.counted_arm import CountedArm
 from truepose_drivers.errors import DeviceRefusedError, TargetRefusedError
 from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_drivers.kuka_variable_proxy.conversation import Order, Program, VariableProxy

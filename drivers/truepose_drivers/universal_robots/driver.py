@@ -23,7 +23,7 @@ from truepose_drivers.api import (
 from truepose_drivers.arm_motion import require_speeds, require_target
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, drain, introduction
+from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
 from truepose_drivers.transports.tcp import tcp_link
 from truepose_drivers.universal_robots import protocol
 from truepose_drivers.universal_robots.progress import STANDING_RAD, Progress, require_ready
@@ -62,7 +62,7 @@ class TimeOuts:
     state_s: float = 0.5  # for a state that is newer than the one before
 
 
-class UniversalRobot:
+class UniversalRobot(OnePortDevice):
     """A controller on three links. Keeps the conversation; computes nothing."""
 
     can_stop_motion = True  # a motion that is not waited for any more is stopped
@@ -74,6 +74,7 @@ class UniversalRobot:
         self._rtde = Conversation[protocol.Packet](
             ports.rtde, protocol.PacketReader, harmless=(DeviceRefusedError,)
         )
+        super().__init__(self._rtde)
         self._script = ports.script
         self._dashboard = Conversation[str](ports.dashboard, protocol.LineReader)
         self._clock = clock
@@ -84,11 +85,6 @@ class UniversalRobot:
         )
         self._newest_s = -math.inf  # time stamp of the last state of this connection
         self._said = ""
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._rtde.is_open
 
     async def connect(self) -> None:
         """Open the link and agree on the registers; raises ConnectFailedError."""
