@@ -12,6 +12,7 @@ import numpy as np
 from tests.helpers.ballbar.length_sources import FakeBar, FakeHands
 from tests.helpers.instruments.bridge_server import bridge_endpoint
 from tests.helpers.instruments.json_bridge_server import json_bridge_endpoint
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from tests.helpers.instruments.usb_in_memory import UsbInMemory
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.abb_rws.driver import RwsRobot
@@ -38,7 +39,6 @@ from truepose_drivers.ndi_polaris.driver import PolarisTracker
 from truepose_drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
 from truepose_drivers.transports.hid import HidOverUsb
 from truepose_drivers.transports.link import Link
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.usb import UsbPort
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
 from truepose_simulators.cell.environment import CellClock as SimulatedClock

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.leica_emscon.instrument import TimeOuts
 from truepose_drivers.leica_emscon.protocol import (
@@ -21,7 +22,6 @@ from truepose_drivers.leica_emscon.protocol import (
     encode,
     exchange,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 Script = dict[int, Callable[[Request], list[object]]]
 

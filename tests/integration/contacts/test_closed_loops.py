@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from tests.unit.service.sessions.stand_ins import nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import ListLedger
 from tests.unit.service.sessions.tracker.operators import PatientOperator
@@ -24,7 +25,6 @@ from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.line_gauges.conversation import GaugeSettings, LineGauges
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock as SimulatedClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.cell_endpoints import clock_endpoint

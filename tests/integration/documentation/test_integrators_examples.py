@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import FittedCause
 from truepose.effects.registry import EFFECTS
@@ -36,7 +37,6 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
-from truepose_drivers.transports.memory import MemoryLink
 
 _EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from tests.helpers.machine import HANGS_S, OWN_NETWORK
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.tcp import TcpLink
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     ConnectFailedError,
@@ -19,7 +20,6 @@ from truepose_drivers.errors import (
 from truepose_drivers.fanuc_rmi.driver import RmiRobot
 from truepose_drivers.fanuc_rmi.protocol import CONNECT_PORT
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotHangs, RobotRefuses

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     ConnectionLostError,
@@ -17,7 +18,6 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotRefuses

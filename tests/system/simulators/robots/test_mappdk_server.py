@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryLink
 from tests.helpers.instruments.sockets import connections_to
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import ProtectiveStop, RobotRefuses

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     ConnectFailedError,
@@ -17,7 +18,6 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
 from truepose_drivers.universal_robots.script import RobotMode, RuntimeState, SafetyMode
 from truepose_simulators.cell.environment import CellClock

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot
 from truepose_drivers.abb_rws.companion import RwsCompanion
 from truepose_drivers.abb_rws.conversation import RwsSession
@@ -17,7 +18,6 @@ from truepose_drivers.api import MotionGuard, MotionLimits
 from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError, NotInitialisedError
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotRefuses

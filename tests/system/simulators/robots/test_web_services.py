@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.contract.benches import in_memory
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.driver import RwsRobot
 from truepose_drivers.abb_rws.http import Login
@@ -25,7 +26,6 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, LineStalls, RobotHangs, RobotRefuses

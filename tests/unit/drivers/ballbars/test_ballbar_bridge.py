@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode, encode
 from truepose_drivers.errors import NoReplyError
 from truepose_drivers.framing import JsonLineError
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

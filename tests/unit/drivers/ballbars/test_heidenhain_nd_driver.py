@@ -5,6 +5,7 @@ import math
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.errors import (
     ConfigurationError,
     NoReplyError,
@@ -24,7 +25,6 @@ from truepose_drivers.heidenhain_nd.protocol import (
     value_line,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

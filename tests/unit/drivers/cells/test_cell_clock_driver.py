@@ -4,12 +4,12 @@ import asyncio
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import Clock
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_clock.protocol import Now, Sleep, Time, decode_request, encode
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
 from truepose_drivers.framing import LineReader, Refusal
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

@@ -2,10 +2,10 @@
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.cell_hands.protocol import Done, encode
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

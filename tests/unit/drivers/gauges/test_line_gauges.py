@@ -9,6 +9,7 @@ import pytest
 
 from tests.contract.benches import in_memory
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
+from tests.helpers.instruments.memory_link import MemoryLink
 from tests.helpers.machine import PSEUDO_TERMINALS
 from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DriverError, RemoteProtocolError
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
@@ -20,7 +21,6 @@ from truepose_drivers.mitutoyo_eh.protocol import ENDS, Question
 from truepose_drivers.mitutoyo_serial.driver import PLUGIN as SERIAL
 from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.faults.kinds import BallbarInches
 from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.instruments.gauges.text_boxes import (

@@ -15,6 +15,7 @@ from tests.helpers.instruments.emscon_in_memory import (
     tracker_on,
 )
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.errors import (
     BusyError,
     ConnectFailedError,
@@ -38,7 +39,6 @@ from truepose_drivers.leica_emscon.protocol import (
     ResultStatus,
     encode,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

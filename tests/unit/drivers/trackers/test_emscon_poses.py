@@ -12,6 +12,7 @@ from tests.helpers.instruments.emscon_in_memory import (
     single,
 )
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryLink
 from truepose_drivers.api import PoseTracker
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
@@ -34,7 +35,6 @@ from truepose_drivers.leica_emscon.protocol import (
     SystemStatusChange,
     encode,
 )
-from truepose_drivers.transports.memory import MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import PointTracker, PoseTracker
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
@@ -38,7 +39,6 @@ from truepose_drivers.json_bridge.protocol import (
     encode_question,
     encode_reply,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
     ConfigurationError,
@@ -32,7 +33,6 @@ from truepose_drivers.ndi_polaris.protocol import (
     encode_text,
     error_text,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

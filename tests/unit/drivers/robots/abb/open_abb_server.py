@@ -3,12 +3,12 @@
 import math
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.abb_open_abb.protocol import (
     decode_request,
 )
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
 # The longest motion of the driver's argument takes 2e4 / 1e6 s = 0.02 s at this speed.

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from tests.unit.drivers.robots.abb.open_abb_server import (
     FAST,
     HANG_UP,
@@ -34,7 +35,6 @@ from truepose_drivers.errors import (
     NoReplyError,
     TargetRefusedError,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

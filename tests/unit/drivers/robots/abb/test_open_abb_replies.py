@@ -6,6 +6,7 @@ import math
 import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from tests.unit.drivers.robots.abb.open_abb_server import (
     FAST,
     TARGET,
@@ -20,7 +21,6 @@ from truepose_drivers.errors import (
     NoReplyError,
     RemoteProtocolError,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

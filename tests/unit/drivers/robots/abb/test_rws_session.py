@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.abb_rws.http import (
@@ -18,7 +19,6 @@ from truepose_drivers.abb_rws.http import (
     is_let_in,
 )
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

@@ -4,6 +4,7 @@ import asyncio
 import math
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.fanuc_rmi.driver import RmiRobot, TimeOuts
 from truepose_drivers.fanuc_rmi.protocol import (
@@ -16,7 +17,6 @@ from truepose_drivers.fanuc_rmi.protocol import (
     encode_status,
     reply,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 TARGET = tuple(map(math.radians, (10.0, 20.0, -50.0, 1.0, 2.0, 3.0)))
 SHOWN_DEG = (10.0, 20.0, 30.0, -1.0, -2.0, -3.0)  # joint 3: 50 from the upper arm, of which 20 are joint 2's

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
     ConfigurationError,
@@ -27,7 +28,6 @@ from truepose_drivers.fanuc_mappdk.protocol import (
     encode_joints,
     encode_reply,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

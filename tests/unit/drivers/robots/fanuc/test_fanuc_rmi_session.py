@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryLink
 from tests.unit.drivers.robots.fanuc.rmi_controller import (
     SILENT,
     TARGET,
@@ -25,7 +26,6 @@ from truepose_drivers.fanuc_rmi.protocol import (
     reply,
     session,
 )
-from truepose_drivers.transports.memory import MemoryLink
 
 pytestmark = pytest.mark.simulated_time
 

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
+from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
     ConnectFailedError,
@@ -15,7 +16,6 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
     TargetRefusedError,
 )
-from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
 from truepose_drivers.universal_robots.protocol import (
     GREETING,
