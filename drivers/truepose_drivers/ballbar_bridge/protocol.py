@@ -7,12 +7,12 @@ each value, ``{"deviation_mm": 0.1234, "signal": "good", "temperature_c": 20.1, 
 
 import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, cast
+from typing import Literal, TypeAlias, cast, get_args
 
 from truepose_drivers.framing import JsonLineError, decode_object, encode_object, finite_number
 
 Signal: TypeAlias = Literal["good", "out_of_range", "none"]
-_SIGNALS = ("good", "out_of_range", "none")
+_SIGNALS = get_args(Signal)
 FINEST_MM = 1e-4  # of a QC20-W: what a bridge that does not say has
 _UNIT = "mm"
 _HIGHEST_SEQUENCE = 2**63 - 1

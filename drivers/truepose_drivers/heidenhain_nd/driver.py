@@ -3,14 +3,12 @@
 import math
 from dataclasses import dataclass, replace
 
-from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.errors import ConfigurationError, NoReplyError
+from truepose_drivers.errors import NoReplyError
 from truepose_drivers.heidenhain_nd import protocol
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
-from truepose_drivers.transports.serial import Framing, SerialLink
-from truepose_drivers.transports.tcp import tcp_link
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, baud, serial_or_tcp
 
 _REPLY_TIMEOUT_S = 1.0  # on top of the time on the line; a counter takes 50 ms at most
 # Eleven bits a character at 7E2: start, seven of data, parity, two stops.
@@ -20,7 +18,6 @@ _IDENTITY_LINES = 3
 # Factory setting of the counters; the manual lets the operator choose the rate alone.
 _FACTORY = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2, xon_xoff=True)
 _RATES = (110, 150, 300, 600, 1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
-_TERMINAL_SERVER_PORT = 4001  # first line of a Moxa NPort, as delivered
 _CHECK_LINE = "check cable, power, and the counter's baud rate"
 
 
@@ -172,32 +169,11 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
 
 
 def _open(options: Options, clock: Clock) -> HeidenhainCounter:
-    port = option.text(options, "serial")
-    if port is None:
-        tcp = tcp_link(options, _TERMINAL_SERVER_PORT)
-        return HeidenhainCounter(tcp, clock)
-    if "host" in options or "port" in options:
-        raise ConfigurationError("serial and host are two ways to the same counter: give one of them")
-    baud = _baud(options)
-    return HeidenhainCounter(
-        SerialLink(port, replace(_FACTORY, baud=baud)),
-        clock,
-        # At 110 baud the characters alone are on the line for 8 s, which must not pass for silence.
-        reply_timeout_s=_REPLY_TIMEOUT_S + _ON_THE_LINE_BITS / baud,
-    )
+    link = serial_or_tcp(options, _FACTORY, rates=_RATES, what="counter")
+    # At 110 baud the characters alone are on the line for 8 s, which must not pass for silence.
+    on_the_line_s = _ON_THE_LINE_BITS / baud(options, _FACTORY, _RATES) if "serial" in options else 0.0
+    return HeidenhainCounter(link, clock, reply_timeout_s=_REPLY_TIMEOUT_S + on_the_line_s)
 
 
-def _baud(options: Options) -> int:
-    baud = options.get("baud", _FACTORY.baud)
-    if isinstance(baud, bool) or not isinstance(baud, int) or baud not in _RATES:
-        raise ConfigurationError(f"option baud is {baud!r}: give one of {', '.join(map(str, _RATES))}")
-    return baud
-
-
-_OPTIONS = {
-    "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
-    "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2",
-    "host": "instead of serial: address of a terminal server in raw mode",
-    "port": f"TCP port of the terminal server's line, {_TERMINAL_SERVER_PORT} unless changed",
-}
+_OPTIONS = {**SERIAL_OPTIONS, "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2"}
 PLUGIN = DriverPlugin("heidenhain_nd", "ballbar", "nd28x", _OPTIONS, _open, also=("linear_gauge",))

@@ -9,7 +9,7 @@ While a question takes longer the bridge says ``{"id": 7, "busy": true}``; what 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from truepose_drivers.framing import JsonLineError, decode_object, encode_object, finite_number
 
@@ -18,15 +18,7 @@ UNIT = "mm"
 Ask: TypeAlias = Literal[
     "hello", "initialise", "find_reflector", "measure_point", "measure_pose", "change_face", "environment"
 ]
-_ASKS: tuple[Ask, ...] = (
-    "hello",
-    "initialise",
-    "find_reflector",
-    "measure_point",
-    "measure_pose",
-    "change_face",
-    "environment",
-)
+_ASKS: tuple[Ask, ...] = get_args(Ask)
 _HIGHEST = 2**63 - 1  # of what is counted
 _LONGEST_TEXT = 300
 

@@ -7,17 +7,15 @@ from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.keyence_gt2 import protocol
 from truepose_drivers.line_gauges.conversation import (
-    SERIAL_OPTIONS,
     SHARED_OPTIONS,
     Ask,
     Display,
     LineGauges,
     gauge_settings,
-    serial_or_tcp,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.transports.conversation import Reader
-from truepose_drivers.transports.serial import Framing
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, serial_or_tcp
 
 _PORT: Final = 64_000  # of the DL-EN1, as delivered
 _SETTLE_S: Final = 0.05  # the unit has its values at hand
@@ -70,7 +68,7 @@ def _display(amplifier: protocol.Amplifier) -> Display:
 def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     on_network = {} if "serial" in options else {"port": _PORT}
     return LineGauges(
-        serial_or_tcp({**on_network, **options}, _FACTORY),
+        serial_or_tcp({**on_network, **options}, _FACTORY, what="box"),
         clock,
         KeyenceUnit(),
         gauge_settings(options, most_channels=protocol.MOST_AMPLIFIERS),

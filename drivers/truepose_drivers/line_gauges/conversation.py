@@ -7,10 +7,7 @@ from typing import Final, Generic, Protocol, TypeAlias, TypeVar
 
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, Options
-from truepose_drivers.errors import (
-    ConfigurationError,
-    DeviceRefusedError,
-)
+from truepose_drivers.errors import ConfigurationError, DeviceRefusedError
 from truepose_drivers.line_gauges.protocol import (
     MOST_DECIMALS,
     MOST_LESSONS,
@@ -20,11 +17,6 @@ from truepose_drivers.line_gauges.protocol import (
 )
 from truepose_drivers.transports.conversation import Conversation, Reader
 from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
-from truepose_drivers.transports.serial import Framing, SerialLink
-from truepose_drivers.transports.tcp import tcp_link
-
-_RATES: Final = (1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
-TERMINAL_SERVER_PORT: Final = 4001  # first line of a Moxa NPort, as delivered
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,19 +49,6 @@ def decimals(options: Options) -> int | None:
     return number
 
 
-def serial_or_tcp(options: Options, framing: Framing) -> Link:
-    """Return the link of a box on a serial port or a terminal server; raises ConfigurationError."""
-    port = option.text(options, "serial")
-    if port is None:
-        return tcp_link(options, TERMINAL_SERVER_PORT)
-    if "host" in options or "port" in options:
-        raise ConfigurationError("serial and host are two ways to the same box: give one of them")
-    baud = options.get("baud", framing.baud)
-    if isinstance(baud, bool) or not isinstance(baud, int) or baud not in _RATES:
-        raise ConfigurationError(f"option baud is {baud!r}: give one of {', '.join(map(str, _RATES))}")
-    return SerialLink(port, Framing(baud, framing.data_bits, framing.parity, framing.stop_bits))
-
-
 def _channels(options: Options, most: int) -> tuple[int, ...]:
     words = option.text(options, "channels") or "1"
     channels = tuple(int(word) if word.isdecimal() else 0 for word in words.split())
@@ -93,14 +72,6 @@ SHARED_OPTIONS: Final[Mapping[str, str]] = {
     "reversed": "true where the box counts up as the plunger comes out; false unless given",
     "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
 }
-SERIAL_OPTIONS: Final[Mapping[str, str]] = {
-    "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
-    "baud": "rate set at the box, 9600 unless changed",
-    "host": "instead of serial: address of a terminal server in raw mode",
-    "port": f"TCP port of the terminal server's line, {TERMINAL_SERVER_PORT} unless changed",
-}
-
-
 _REPLY_TIMEOUT_S: Final = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _SETTLE_S: Final = 0.3  # a Digimatic gauge needs no longer, and the line no time
 _MOST_TRIES: Final = 3  # of a question that somebody's press of a key disturbed

@@ -7,18 +7,16 @@ from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError
 from truepose_drivers.line_gauges.conversation import (
-    SERIAL_OPTIONS,
     SHARED_OPTIONS,
     Ask,
     Display,
     LineGauges,
     gauge_settings,
-    serial_or_tcp,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.mitutoyo_eh import protocol
 from truepose_drivers.transports.conversation import Reader
-from truepose_drivers.transports.serial import Framing
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, serial_or_tcp
 
 _FACTORY: Final = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2)
 
@@ -63,7 +61,7 @@ class EhCounter:
 
 def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     return LineGauges(
-        serial_or_tcp(options, _FACTORY),
+        serial_or_tcp(options, _FACTORY, what="box"),
         clock,
         EhCounter(_end(options)),
         gauge_settings(options, most_channels=protocol.MOST_CHANNELS),

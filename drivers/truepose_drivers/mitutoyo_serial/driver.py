@@ -5,18 +5,16 @@ from typing import Final
 
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.line_gauges.conversation import (
-    SERIAL_OPTIONS,
     SHARED_OPTIONS,
     Ask,
     Display,
     LineGauges,
     gauge_settings,
-    serial_or_tcp,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.mitutoyo_serial import protocol
 from truepose_drivers.transports.conversation import Reader
-from truepose_drivers.transports.serial import Framing
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, serial_or_tcp
 
 _FACTORY: Final = Framing(baud=9600, data_bits=8, parity="N", stop_bits=1)
 
@@ -54,7 +52,7 @@ def _display(reply: protocol.Reply, channel: int) -> Display:
 
 def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     return LineGauges(
-        serial_or_tcp(options, _FACTORY),
+        serial_or_tcp(options, _FACTORY, what="box"),
         clock,
         MitutoyoBox(),
         gauge_settings(options, most_channels=protocol.MOST_CHANNELS),

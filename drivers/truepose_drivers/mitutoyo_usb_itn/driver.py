@@ -8,7 +8,7 @@ from truepose_drivers.line_gauges.conversation import decimals as decimals_optio
 from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn import protocol
 from truepose_drivers.transports.conversation import Listener
-from truepose_drivers.transports.link import introduction
+from truepose_drivers.transports.link import OnePortDevice, introduction
 from truepose_drivers.transports.usb import UsbDevice, UsbPort, usb_address
 from truepose_drivers.usb.protocol import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
 
@@ -21,7 +21,7 @@ _MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
 _PLUG = "unplug the cable and plug it in again"
 
 
-class UsbItnGauge:
+class UsbItnGauge(OnePortDevice):
     """A gauge on a USB-ITN cable. It answers when asked, and sends when somebody presses its DATA button."""
 
     def __init__(
@@ -34,17 +34,13 @@ class UsbItnGauge:
         reply_timeout_s: float = _REPLY_TIMEOUT_S,
     ) -> None:
         """Prepare; `decimals` stand behind the point in millimetres, learnt from the values unless given."""
-        self._port = port
+        super().__init__(port)
+        self._port: UsbPort = port
         self._clock = clock
         self._range_mm = range_mm
         self._reply_timeout_s = reply_timeout_s
         self._form = ValueForm(decimals, protocol.ItnProtocolError)  # kept over connections, as the gauge is
         self._replies: Listener[protocol.Reply] = Listener(port, protocol.ReplyReader)
-
-    @property
-    def connected(self) -> bool:
-        """Whether the cable is there as far as known."""
-        return self._port.is_open
 
     async def connect(self) -> None:
         """Take the cable from the keyboard driver, make it talk and say who it is.
@@ -58,10 +54,6 @@ class UsbItnGauge:
             await self._port.control_out(VENDOR_TO_DEVICE, protocol.SET_MODE, protocol.SERIAL_MODE)
             await self._port.control_in(VENDOR_FROM_DEVICE, protocol.GET_MODE, 0, 0, 1)
             await self._ask_device()
-
-    async def close(self) -> None:
-        """Give the cable back; never raises."""
-        await self._port.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask the cable who it is; the gauge on it does not tell."""

@@ -5,13 +5,17 @@ pyserial blocks, and no call into it takes longer than a slice.
 
 import contextlib
 import os
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
 
 import serial
 
-from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
-from truepose_drivers.transports.link import BlockingPort
+from truepose_drivers import options as option
+from truepose_drivers.api import Options
+from truepose_drivers.errors import ConfigurationError, ConnectFailedError, ConnectionLostError
+from truepose_drivers.transports.link import BlockingPort, Link
+from truepose_drivers.transports.tcp import tcp_link
 
 _NOT_OPENED: tuple[type[Exception], ...] = (OSError, ValueError)  # ValueError: no such kind of URL or rate
 try:
@@ -21,6 +25,14 @@ except ImportError:  # on Windows
 else:
     _NOT_OPENED = (*_NOT_OPENED, termios.error)  # pyserial lets it through where a port refuses its settings
 
+TERMINAL_SERVER_PORT: Final = 4001  # first line of a Moxa NPort, as delivered
+RATES: Final = (1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
+SERIAL_OPTIONS: Final[Mapping[str, str]] = {
+    "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
+    "baud": "rate set at the box, 9600 unless changed",
+    "host": "instead of serial: address of a terminal server in raw mode",
+    "port": f"TCP port of the terminal server's line, {TERMINAL_SERVER_PORT} unless changed",
+}
 _SLICE_S = 0.05  # a port that is closed meanwhile is let go after this long
 _WRITE_TIMEOUT_S = 2.0  # a device that holds us back by XOFF for longer has gone
 
@@ -113,6 +125,27 @@ class SerialLink(BlockingPort[serial.Serial]):
 
     async def _gone(self) -> ConnectionLostError:
         return await self._lost(f"port {self.address} is gone: check cable and adapter")
+
+
+def serial_or_tcp(options: Options, factory: Framing, *, rates: Sequence[int] = RATES, what: str) -> Link:
+    """Return the link of a box on a serial port or a terminal server; raises ConfigurationError.
+
+    `what` it is stands in the error's sentence; its rate may be one of `rates` [baud].
+    """
+    port = option.text(options, "serial")
+    if port is None:
+        return tcp_link(options, TERMINAL_SERVER_PORT)
+    if "host" in options or "port" in options:
+        raise ConfigurationError(f"serial and host are two ways to the same {what}: give one of them")
+    return SerialLink(port, replace(factory, baud=baud(options, factory, rates)))
+
+
+def baud(options: Options, factory: Framing, rates: Sequence[int]) -> int:
+    """Return option `baud`, the rate that was set at a box; raises ConfigurationError."""
+    value = options.get("baud", factory.baud)
+    if isinstance(value, bool) or not isinstance(value, int) or value not in rates:
+        raise ConfigurationError(f"option baud is {value!r}: give one of {', '.join(map(str, rates))}")
+    return value
 
 
 def _check_parity(port: serial.Serial) -> None:
