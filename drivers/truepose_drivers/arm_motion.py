@@ -27,6 +27,7 @@ from truepose_drivers.errors import (
     NoReplyError,
     TargetRefusedError,
 )
+from truepose_drivers.transports.link import now_s
 
 ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
 
@@ -144,12 +145,11 @@ async def answered_unless_it_stands(
 
 
 async def _stands_before_target_deg(look: Look, course: CommandedMotion) -> float:
-    loop = asyncio.get_running_loop()
-    standstill = Standstill(course, loop.time())
+    standstill = Standstill(course, now_s())
     while True:
         await asyncio.sleep(_LOOK_EVERY_S)
         joints_deg = await look()
-        if joints_deg is not None and standstill.lasts(joints_deg, loop.time()):
+        if joints_deg is not None and standstill.lasts(joints_deg, now_s()):
             return course.before_target_deg(joints_deg)
 
 

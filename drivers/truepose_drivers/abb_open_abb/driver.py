@@ -5,7 +5,6 @@ connection once somebody resets the program. After either the link is closed, be
 never be taken for the reply to a later request.
 """
 
-import asyncio
 import contextlib
 import math
 from dataclasses import dataclass
@@ -42,7 +41,7 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.transports.conversation import Turns
-from truepose_drivers.transports.link import Link, drain, open_patiently
+from truepose_drivers.transports.link import Link, drain, now_s, open_patiently
 from truepose_drivers.transports.tcp import tcp_link
 
 _JOINTS = 6
@@ -302,13 +301,13 @@ class OpenAbbRobot(Arm):
         self, code: protocol.Code, words: int, timeout_s: float, *, beats: bool
     ) -> bytes:
         """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
-        deadline_s = asyncio.get_running_loop().time() + timeout_s
+        deadline_s = now_s() + timeout_s
         data = b""
         # The space that ends a reply without text may come as late as this one.
         while (extent := protocol.reply_extent(data := data.lstrip(b" \r\n"), code, words)) != "whole":
             if extent == "maybe whole" and words:
                 return data + await self._rest(deadline_s)
-            left_s = deadline_s - asyncio.get_running_loop().time()
+            left_s = deadline_s - now_s()
             patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
             more = await self._link.receive(
                 max(min(patience_s, protocol.BEAT_S) if beats else patience_s, 0.0)
@@ -330,7 +329,7 @@ class OpenAbbRobot(Arm):
         await self._link.send(protocol.encode_request(protocol.Code.PING))
         data = b""
         while (rest := protocol.rest_before_ping(data)) is None:
-            more = await self._link.receive(max(0.0, deadline_s - asyncio.get_running_loop().time()))
+            more = await self._link.receive(max(0.0, deadline_s - now_s()))
             if more is None or len(data) > protocol.LONGEST_MESSAGE_CHARS:
                 raise NoReplyError(
                     f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"

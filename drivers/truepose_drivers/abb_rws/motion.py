@@ -18,6 +18,7 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     TargetRefusedError,
 )
+from truepose_drivers.transports.link import now_s
 
 _BETWEEN_REPORTS_S: Final = 0.05
 _BETWEEN_LOOKS_S: Final = 0.3  # at program and joints, while the arm moves
@@ -77,7 +78,7 @@ class RapidProgram:
         stood_deg = await self.joints_deg()
         order = await self._give(order)
         await self._require_still_ready()
-        await self._follow(order, _ObservedMotion(stood_deg, stood_deg, _now_s()))
+        await self._follow(order, _ObservedMotion(stood_deg, stood_deg, now_s()))
 
     async def joints_deg(self) -> tuple[float, ...]:
         """Ask where the joints are."""
@@ -125,9 +126,9 @@ class RapidProgram:
         return order
 
     async def _taken(self, order: protocol.Order) -> protocol.Report:
-        give_up_s = _now_s() + self._patience.taken_s
+        give_up_s = now_s() + self._patience.taken_s
         while int((report := await self._report()).order[0]) != order.number:
-            if _now_s() > give_up_s:
+            if now_s() > give_up_s:
                 raise NotInitialisedError(
                     "the robot's program takes no order: look at the pendant why it stands, then confirm"
                 )
@@ -145,16 +146,16 @@ class RapidProgram:
 
     async def _follow(self, order: protocol.Order, course: "_ObservedMotion") -> None:
         """Give beats until the arm has arrived."""
-        beat_s = look_s = _now_s() - protocol.BEAT_S
+        beat_s = look_s = now_s() - protocol.BEAT_S
         while True:
-            if _now_s() - beat_s >= protocol.BEAT_S:
-                beat_s = _now_s()
+            if now_s() - beat_s >= protocol.BEAT_S:
+                beat_s = now_s()
                 self._beat = protocol.beat_after(self._beat)
                 await self._set(protocol.BEAT, protocol.number_text(self._beat))
             if _has_arrived(await self._report(), order):
                 return
-            if _now_s() - look_s >= _BETWEEN_LOOKS_S:
-                look_s = _now_s()
+            if now_s() - look_s >= _BETWEEN_LOOKS_S:
+                look_s = now_s()
                 course = await self._look(order, course)
             await asyncio.sleep(_BETWEEN_REPORTS_S)
 
@@ -164,8 +165,8 @@ class RapidProgram:
             await self._tell_stop(order, course)
         here_deg = await self.joints_deg()
         if farthest_off(here_deg, course.last_deg) > _SAME_PLACE_DEG:
-            return _ObservedMotion(course.start_deg, here_deg, _now_s())
-        if _now_s() - course.moved_s > self._patience.stands_s:
+            return _ObservedMotion(course.start_deg, here_deg, now_s())
+        if now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
                 f"the robot has not moved for {self._patience.stands_s:g} s and has not arrived: look at the"
                 " pendant, then connect again"
@@ -224,7 +225,3 @@ def _refused(order: protocol.Order, said: str) -> TargetRefusedError:
 
 def _quoted(said: str) -> str:
     return f' (its event log ends with "{said}")' if said else ""
-
-
-def _now_s() -> float:
-    return asyncio.get_running_loop().time()

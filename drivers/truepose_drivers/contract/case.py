@@ -176,11 +176,6 @@ class Trial:
         self.bench.mend()
 
 
-def now_s() -> float:
-    """Return the time of the event loop [s]."""
-    return asyncio.get_running_loop().time()
-
-
 CaseFunction: TypeAlias = Callable[[Trial], Awaitable[None]]
 Outcome: TypeAlias = Literal["kept", "absent"]
 

@@ -12,9 +12,10 @@ from typing import Final
 
 from truepose_drivers.contract import wire_faults
 from truepose_drivers.contract.bench import NewBench
-from truepose_drivers.contract.case import ContractBrokenError, SimulatedTimeLoop, Trial, broken, now_s
+from truepose_drivers.contract.case import ContractBrokenError, SimulatedTimeLoop, Trial, broken
 from truepose_drivers.contract.wire_faults import Fault
 from truepose_drivers.errors import DriverError
+from truepose_drivers.transports.link import now_s
 
 FAULTS_EACH: Final = 500
 BACK_WITHIN_S: Final = 5.0

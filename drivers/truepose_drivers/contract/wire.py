@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
+from truepose_drivers.transports.link import now_s
 
 STALL_S: Final = 0.05  # longer than any gap by which a driver might tell the end of a reply
 _ANSWERS_AFTER_S: Final = 0.001
@@ -46,7 +47,7 @@ class LoopClock:
 
     async def now_s(self) -> float:
         """Return the present time [s]."""
-        return asyncio.get_running_loop().time()
+        return now_s()
 
     async def sleep(self, duration_s: float) -> None:
         """Let time pass."""
@@ -161,12 +162,12 @@ class Wire:
 
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return what has arrived, None after `timeout_s` of silence; raises ConnectionLostError."""
-        give_up_s = _now_s() + timeout_s
+        give_up_s = now_s() + timeout_s
         while True:
             self._require_open()
-            if self._arriving and self._arriving[0][0] <= _now_s() + _INSTANT_S:
+            if self._arriving and self._arriving[0][0] <= now_s() + _INSTANT_S:
                 return await self._take()
-            if _now_s() >= give_up_s - _INSTANT_S:
+            if now_s() >= give_up_s - _INSTANT_S:
                 return None
             await self._wait(give_up_s)
 
@@ -174,7 +175,7 @@ class Wire:
         """Let pieces follow what is under way; behind silence they wait for the next question."""
         if self._wiring.deaf:
             return
-        due_s = max(_now_s(), self._arriving[-1][0] if self._arriving else -math.inf)
+        due_s = max(now_s(), self._arriving[-1][0] if self._arriving else -math.inf)
         for place, piece in enumerate(pieces):
             match piece:
                 case Pause(duration_s):
@@ -205,7 +206,7 @@ class Wire:
         if self._arriving:
             until_s = min(until_s, self._arriving[0][0])
         elif self._speaks is not None and not self._wiring.deaf:
-            until_s = min(until_s, _now_s() + self._every_s)
+            until_s = min(until_s, now_s() + self._every_s)
             speaks = True
         self._news.clear()
         with contextlib.suppress(TimeoutError):
@@ -218,7 +219,3 @@ class Wire:
     def _require_open(self) -> None:
         if not self.is_open:
             raise ConnectionLostError("there is no connection to the bench: connect first")
-
-
-def _now_s() -> float:
-    return asyncio.get_running_loop().time()

@@ -4,12 +4,10 @@ Nothing ends a reply but its form. What may still go on is waited for, and an er
 known is followed by a new connection: the rest of it must not be taken for the next reply.
 """
 
-import asyncio
-
 from truepose_drivers.errors import ConnectFailedError, NoReplyError
 from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.transports.conversation import Turns
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.link import Link, drain, now_s
 
 
 class Dialogue(Turns):
@@ -63,10 +61,10 @@ class Dialogue(Turns):
         return reply
 
     async def _whole(self, expected: protocol.Expected, timeout_s: float, *, beats: bool) -> bytes:
-        deadline_s = asyncio.get_running_loop().time() + timeout_s
+        deadline_s = now_s() + timeout_s
         data = b""
         while (extent := protocol.reply_extent(data, expected)) != "whole":
-            left_s = deadline_s - asyncio.get_running_loop().time()
+            left_s = deadline_s - now_s()
             patience_s = self._rest_of_reply_s if extent == "maybe whole" else left_s
             more = await self._link.receive(
                 max(min(patience_s, protocol.BEAT_S) if beats else patience_s, 0.0)

@@ -1,6 +1,5 @@
 """A session with a controller: the port where it is asked for, and one exchange at a time at the other."""
 
-import asyncio
 import contextlib
 from collections.abc import Callable
 from typing import Final
@@ -15,7 +14,7 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, open_patiently
+from truepose_drivers.transports.link import Link, now_s, open_patiently
 
 _STATUS: Final = protocol.command(protocol.Command.STATUS)
 
@@ -41,7 +40,7 @@ class Exchanges(Conversation[protocol.Packet]):
 
         Meanwhile the controller is asked for its status again and again, so that a dead one is noticed.
         """
-        give_up_s = asyncio.get_running_loop().time() + timeout_s
+        give_up_s = now_s() + timeout_s
         await self._send(instruction, self._alive_s)
         end: protocol.Packet | None = None
         stopped = ""
@@ -84,7 +83,7 @@ class Exchanges(Conversation[protocol.Packet]):
             return None
 
     def _require_time(self, give_up_s: float) -> None:
-        if asyncio.get_running_loop().time() > give_up_s:
+        if now_s() > give_up_s:
             raise NoReplyError(
                 f"the robot at {self.address} does not report the end of its motion: look at the pendant for"
                 " a program on hold, then connect again"

@@ -30,7 +30,7 @@ from truepose_drivers.errors import (
 from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
 from truepose_drivers.fanuc_rmi.motion_segments import LONGEST_PIECE_S, PieceMaker
-from truepose_drivers.transports.link import Link, introduction
+from truepose_drivers.transports.link import Link, introduction, now_s
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
@@ -134,12 +134,12 @@ class RmiRobot(CountedArm):
 
     async def _newest_axes(self) -> protocol.StatedAxes:
         """Return axes that were stated later than any before in this session."""
-        give_up_s = _now_s() + self._time_outs.newer_s
+        give_up_s = now_s() + self._time_outs.newer_s
         async with self._exchanges.turn():
             while not self._is_news(
                 stated := await self._answer(protocol.Command.JOINTS, protocol.decode_axes)
             ):
-                if _now_s() > give_up_s:
+                if now_s() > give_up_s:
                     raise NoReplyError(
                         "the robot repeats itself, or its clock stands still: check the controller, then"
                         " connect again"
@@ -268,10 +268,6 @@ class RmiRobot(CountedArm):
         return NotInitialisedError(
             f"the robot broke off its motion: {why}; look at the pendant, then confirm"
         )
-
-
-def _now_s() -> float:
-    return asyncio.get_running_loop().time()
 
 
 def _open(options: Options, clock: Clock) -> RmiRobot:

@@ -21,7 +21,7 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, OverPort
+from truepose_drivers.transports.link import Link, OverPort, now_s
 
 _PING_EVERY_S: Final = 10.0  # the proxy hangs up after 30 s
 
@@ -156,9 +156,9 @@ class Program:
     async def carry_out(self, number: int, longest_s: float) -> None:
         """Have the order carried out under a number, and give beats until the arm has arrived."""
         await self._proxy.write(protocol.Variable.NUMBER, str(number))
-        ordered_s = _now_s()
-        while not await self._arrived(number, _now_s() - ordered_s):
-            if _now_s() - ordered_s > longest_s:
+        ordered_s = now_s()
+        while not await self._arrived(number, now_s() - ordered_s):
+            if now_s() - ordered_s > longest_s:
                 await self._proxy.close()
                 raise NoReplyError(
                     "the robot has not arrived in time: look at its pendant for a paused program, then"
@@ -195,7 +195,3 @@ class Program:
 def _off_deg(stands_deg: Sequence[float], target_deg: Sequence[float]) -> float:
     """Return by how much the joints are off that is off most."""
     return farthest_off(stands_deg[: protocol.JOINTS], target_deg[: protocol.JOINTS])
-
-
-def _now_s() -> float:
-    return asyncio.get_running_loop().time()

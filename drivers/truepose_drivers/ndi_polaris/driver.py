@@ -23,7 +23,7 @@ from truepose_drivers.ndi_polaris.error_codes import CommandUnknownError, refusa
 from truepose_drivers.ndi_polaris.mean import mean_pose
 from truepose_drivers.ndi_polaris.serial_line import FIRST_BAUD, CameraLine
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, OnePortDevice, introduction
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction, now_s
 from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -138,15 +138,14 @@ class PolarisTracker(OnePortDevice):
 
     async def _next_frame(self, handle: int) -> protocol.ToolFrame:
         """Return the artefact in the next frame; raises NoReplyError where the frames stand still."""
-        loop = asyncio.get_running_loop()
         # Wall time: the question is whether the camera hangs. How long is measured goes by the cell's clock.
-        give_up_s = loop.time() + _STANDING_S
+        give_up_s = now_s() + _STANDING_S
         while True:
             tool = await self._tool(handle)
             if tool.frame > self._frame:
                 self._frame = tool.frame
                 return tool
-            if tool.frame < self._frame or loop.time() >= give_up_s:
+            if tool.frame < self._frame or now_s() >= give_up_s:
                 await self.close()
                 raise NoReplyError(
                     f"the frames of the camera do not go on (frame {tool.frame} after {self._frame}), so"

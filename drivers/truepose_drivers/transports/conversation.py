@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable
 from typing import Generic, Protocol, TypeVar
 
 from truepose_drivers.errors import ConnectionLostError, DriverError, NoReplyError, RemoteProtocolError
-from truepose_drivers.transports.link import MOST_PIECES, Link, OverPort, Port, Source, drain, unending
+from truepose_drivers.transports.link import MOST_PIECES, Link, OverPort, Port, Source, drain, now_s, unending
 
 Message = TypeVar("Message")
 Answer = TypeVar("Answer")
@@ -95,7 +95,7 @@ class Listener(Turns, Generic[Message]):
 
     def expect(self, timeout_s: float, silence: str) -> None:
         """Allow `timeout_s` [s, wall time] from now for all that `next` returns, then raise `silence`."""
-        self._give_up_s = asyncio.get_running_loop().time() + timeout_s
+        self._give_up_s = now_s() + timeout_s
         self._silence = silence
 
     async def next(self) -> Message:
@@ -107,7 +107,7 @@ class Listener(Turns, Generic[Message]):
     async def next_within(self, quiet_s: float) -> Message | None:
         """Return the next message, None after `quiet_s` without a byte; raises what `next` raises."""
         while (message := self._reader.next_message()) is None:
-            left_s = self._give_up_s - asyncio.get_running_loop().time()
+            left_s = self._give_up_s - now_s()
             data = await self._receive(max(0.0, min(left_s, quiet_s)))
             # Also where bytes go on coming: an instrument that streams something else would otherwise keep us
             # for ever.

@@ -64,6 +64,11 @@ class Link(Source, Protocol):
         ...
 
 
+def now_s() -> float:
+    """Return the time of the event loop [s], by which time-outs are counted."""
+    return asyncio.get_running_loop().time()
+
+
 async def open_patiently(
     open_once: Callable[[], Awaitable[None]], *, within_s: float, every_s: float, advice: str
 ) -> None:
@@ -71,13 +76,12 @@ async def open_patiently(
 
     Raises ConnectFailedError with the last reason and `advice` where it does not open within `within_s`.
     """
-    loop = asyncio.get_running_loop()
-    give_up_s = loop.time() + within_s
+    give_up_s = now_s() + within_s
     while True:
         try:
             return await open_once()
         except LinkError as error:
-            if loop.time() >= give_up_s:
+            if now_s() >= give_up_s:
                 raise ConnectFailedError(f"{error}; {advice}") from error
         await asyncio.sleep(every_s)
 

@@ -5,7 +5,6 @@ read, and takes only states whose time stamp has moved. A motion is a program of
 from RTDE registers and goes on only while the beat among them changes.
 """
 
-import asyncio
 import contextlib
 import math
 from collections.abc import AsyncIterator, Mapping
@@ -23,7 +22,7 @@ from truepose_drivers.api import (
 from truepose_drivers.arm_motion import require_speeds, require_target
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
+from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction, now_s
 from truepose_drivers.transports.tcp import tcp_link
 from truepose_drivers.universal_robots import protocol
 from truepose_drivers.universal_robots.progress import STANDING_RAD, Progress, require_ready
@@ -141,7 +140,7 @@ class UniversalRobot(OnePortDevice):
             try:
                 await self._script.open()
                 await self._script.send(PROGRAM.encode())
-                await self._follow(Progress(self._order, before, _now_s()))
+                await self._follow(Progress(self._order, before, now_s()))
             finally:
                 await self._script.close()
 
@@ -237,9 +236,9 @@ class UniversalRobot(OnePortDevice):
     async def _give(self, order: Order) -> None:
         """Write an order, and see it stand in the controller's registers."""
         await self._write(order)
-        give_up_s = _now_s() + self._time_outs.reply_s
+        give_up_s = now_s() + self._time_outs.reply_s
         while (await self._next_state()).registers != order.values():
-            if _now_s() > give_up_s:
+            if now_s() > give_up_s:
                 raise protocol.UrProtocolError(
                     "the robot does not keep what is written to its registers 24 to 31: see that no other"
                     " program or URCap uses them, then connect again"
@@ -252,15 +251,11 @@ class UniversalRobot(OnePortDevice):
     async def _follow(self, progress: Progress) -> None:
         """Give beats until the arm has arrived."""
         beat_s = -math.inf
-        while not progress.arrived(await self._next_state(), _now_s(), self._said):
-            if _now_s() - beat_s >= BEAT_S:
-                beat_s = _now_s()
+        while not progress.arrived(await self._next_state(), now_s(), self._said):
+            if now_s() - beat_s >= BEAT_S:
+                beat_s = now_s()
                 await self._write(self._order.next_beat)
                 await drain(self._script)  # this port sends states of its own, ten a second
-
-
-def _now_s() -> float:
-    return asyncio.get_running_loop().time()
 
 
 def _recipe(payload: bytes, wanted: Mapping[str, str]) -> protocol.Recipe:

@@ -3,9 +3,10 @@
 import asyncio
 from typing import Final
 
-from truepose_drivers.contract.case import LINKED, ContractBrokenError, Trial, broken, case, now_s
+from truepose_drivers.contract.case import LINKED, ContractBrokenError, Trial, broken, case
 from truepose_drivers.contract.wire import HangUp, Piece, Silence
 from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
+from truepose_drivers.transports.link import now_s
 
 _BACK_WITHIN_S: Final = 5.0
 _RETRY_S: Final = 0.25  # between two attempts to connect
