@@ -7,11 +7,9 @@ A side of the wire feeds a `FrameReader` and decodes its frames (`decode_request
 `decode_from_server` in a client); `encode` makes the bytes of any packet.
 """
 
-from truepose_drivers.leica_emscon.protocol.command_members import EXCHANGES, Exchange, exchange
-from truepose_drivers.leica_emscon.protocol.commands import LIST_COMMANDS, Command
+from truepose_drivers.leica_emscon.protocol.command_members import EXCHANGES, exchange
+from truepose_drivers.leica_emscon.protocol.commands import Command
 from truepose_drivers.leica_emscon.protocol.packet_layouts import (
-    LONGEST_PACKET_BYTES,
-    SHORTEST_PACKET_BYTES,
     Frame,
     FrameReader,
     Layout,
@@ -48,14 +46,10 @@ __all__ = [
     "DEFAULT_PORT",
     "ELEMENTS",
     "EXCHANGES",
-    "LIST_COMMANDS",
-    "LONGEST_PACKET_BYTES",
     "RESULTS",
-    "SHORTEST_PACKET_BYTES",
     "Answer",
     "Command",
     "ErrorReport",
-    "Exchange",
     "Frame",
     "FrameReader",
     "FromServer",

@@ -146,19 +146,3 @@ class Command(IntEnum):
     GET_METEO_STATION_INFO = 139
     GET_AT4XX_INFO = 140
     GET_SYSTEM_SOFTWARE_VERSION = 142
-
-
-LIST_COMMANDS = frozenset({
-    Command.GET_REFLECTORS,
-    Command.GET_TRANSFORMED_POINTS,
-    Command.GET_COMPENSATIONS,
-    Command.GET_CAMERAS,
-    Command.GET_PROBES,
-    Command.GET_TIP_ADAPTERS,
-    Command.GET_T_CAM_TO_TRACKER_COMPENSATIONS,
-    Command.GET_PROBE_COMPENSATIONS,
-    Command.GET_TIP_TO_PROBE_COMPENSATIONS,
-    Command.GET_COMPENSATIONS2,
-    Command.GET_TIP_TO_PROBE_COMPENSATIONS2,
-})
-"""Commands answered by one packet per item, each packet carrying the total as its first member."""
