@@ -23,7 +23,8 @@ from truepose_drivers.leica_emscon.protocol import (
     exchange,
 )
 
-Script = dict[int, Callable[[Request], list[object]]]
+Answering = Callable[[Request], list[object]]
+Script = dict[int, Answering]
 
 # the fake answers at once or never
 SILENT = TimeOuts(initialise_s=0.05, command_s=0.05, result_s=0.05)
@@ -47,6 +48,26 @@ def single(packet_type: int = PacketType.SINGLE_MEAS_RESULT_2, status: int = 0, 
     return Result(packet_type, Record(RESULTS[packet_type].zeros() | values), status)
 
 
+def point(**changes) -> Result:
+    """A result at (1, 2, 3)."""
+    return single(**({"val1": 1.0, "val2": 2.0, "val3": 3.0} | changes))
+
+
+def told(**values) -> Answering:
+    """Answer whatever is asked with these members."""
+    return lambda request: [answer(request.command, **values)]
+
+
+def refused(status: int = ResultStatus.NOT_IMPLEMENTED) -> Answering:
+    """Answer whatever is asked with a status."""
+    return lambda request: [Answer(request.command, status)]
+
+
+def answered(*packets: object) -> Answering:
+    """Answer whatever is asked, then say these."""
+    return lambda request: [answer(request.command), *packets]
+
+
 def reflector(number: int, name: str, total: int = 1, **values) -> Answer:
     return answer(
         Command.GET_REFLECTORS,
@@ -65,28 +86,18 @@ def as_set(request: Request) -> list[object]:
 def healthy() -> Script:
     """A tracker that is started up, knows one reflector and measures (1, 2, 3)."""
     script: Script = dict.fromkeys(Command, as_set)
-    script[Command.GET_SYSTEM_STATUS] = lambda _: [
-        answer(
-            Command.GET_SYSTEM_STATUS,
-            tracker_processor_status=5,
-            major_version_number=3,
-            minor_version_number=6,
-            build_number=1045,
-            tracker_serial_number=392_001,
-        )
-    ]
-    script[Command.GET_TRACKER_INFO] = lambda _: [
-        answer(Command.GET_TRACKER_INFO, tracker_type=70, tracker_name="AT401")
-    ]
-    script[Command.GET_CURRENT_PRISM_POSITION] = lambda _: [
-        answer(Command.GET_CURRENT_PRISM_POSITION, val1=1.0, val2=2.0, val3=3.0)
-    ]
+    script[Command.GET_SYSTEM_STATUS] = told(
+        tracker_processor_status=5,
+        major_version_number=3,
+        minor_version_number=6,
+        build_number=1045,
+        tracker_serial_number=392_001,
+    )
+    script[Command.GET_TRACKER_INFO] = told(tracker_type=70, tracker_name="AT401")
+    script[Command.GET_CURRENT_PRISM_POSITION] = told(val1=1.0, val2=2.0, val3=3.0)
     script[Command.GET_REFLECTORS] = lambda _: [reflector(7, "RRR 0.5in")]
-    script[Command.GET_FACE] = lambda _: [answer(Command.GET_FACE, tracker_face=1)]
-    script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(val1=1.0, val2=2.0, val3=3.0, std1=0.001, std2=0.002, std3=0.003, std_total=0.004),
-    ]
+    script[Command.GET_FACE] = told(tracker_face=1)
+    script[Command.START_MEASUREMENT] = answered(point(std1=0.001, std2=0.002, std3=0.003, std_total=0.004))
     return script
 
 

@@ -10,8 +10,11 @@ from tests.helpers.instruments.emscon_in_memory import (
     FakeTracker,
     Slow,
     answer,
+    answered,
     healthy,
     ready_tracker,
+    refused,
+    told,
     tracker_on,
 )
 from tests.helpers.instruments.fixed_clock import FixedClock
@@ -74,15 +77,13 @@ async def test_a_stream_of_positions_does_not_hide_that_the_answer_is_missing():
             await tracker.connect()
 
 
-async def test_it_can_be_connected_again_after_a_loss_and_wants_initialising():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    fake.script[Command.START_MEASUREMENT] = lambda _: [HANG_UP]
+async def test_it_can_be_connected_again_after_a_loss_and_wants_initialising(emscon, tracker):
+    emscon.script[Command.START_MEASUREMENT] = lambda _: [HANG_UP]
     with pytest.raises(ConnectionLostError):
         await tracker.measure_point(duration_s=1.0)
     with pytest.raises(ConnectionLostError, match="connect first"):
         await tracker.measure_point(duration_s=1.0)
-    fake.script = healthy()
+    emscon.script = healthy()
 
     await tracker.connect()
     with pytest.raises(NotInitialisedError):
@@ -116,10 +117,8 @@ async def test_closing_twice_or_before_connecting_is_harmless():
         (123_456, MeasurementFailedError, r"123456 \(unknown"),
     ],
 )
-async def test_a_status_becomes_an_error_with_advice(status, error, advice):
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda request: [Answer(request.command, status)]
-    tracker = await ready_tracker(fake)
+async def test_a_status_becomes_an_error_with_advice(emscon, tracker, status, error, advice):
+    emscon.script[Command.START_MEASUREMENT] = refused(status)
 
     with pytest.raises(error, match=advice):
         await tracker.measure_point(duration_s=1.0)
@@ -137,8 +136,10 @@ USES = {
 }
 
 
-def patient(fake):
-    return ready_tracker(fake, time_outs=TimeOuts())
+@pytest.fixture
+async def patient(emscon):
+    """A tracker whose driver allows it as much time as a real one."""
+    return await ready_tracker(emscon, time_outs=TimeOuts())
 
 
 async def seconds_of(use) -> float:
@@ -150,88 +151,73 @@ async def seconds_of(use) -> float:
 
 
 @pytest.mark.parametrize("command", USES)
-async def test_a_half_open_link_is_lost_within_two_seconds_whatever_was_asked(command):
-    fake = FakeTracker()
-    tracker = await patient(fake)
+async def test_a_half_open_link_is_lost_within_two_seconds_whatever_was_asked(emscon, patient, command):
     started = {"tracker_processor_status": 3 if command == Command.INITIALIZE else 5}
-    fake.script[Command.GET_SYSTEM_STATUS] = lambda request: [answer(request.command, **started)]
-    fake.dies_at = command
+    emscon.script[Command.GET_SYSTEM_STATUS] = told(**started)
+    emscon.dies_at = command
 
-    assert await seconds_of(USES[command](tracker)) <= 2.0
-    assert not tracker.connected
-
-
-async def test_a_link_that_dies_while_the_tracker_measures_is_lost_within_two_seconds():
-    fake = FakeTracker()
-    tracker = await patient(fake)
-    fake.script[Command.START_MEASUREMENT] = lambda request: [answer(request.command)]
-    fake.dies_at = Command.GET_TRACKER_STATUS
-
-    assert await seconds_of(tracker.measure_point(duration_s=30.0)) <= 2.0
+    assert await seconds_of(USES[command](patient)) <= 2.0
+    assert not patient.connected
 
 
-async def test_a_tracker_that_says_that_it_is_busy_is_waited_for():
-    fake = FakeTracker()
-    tracker = await patient(fake)
-    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
+async def test_a_link_that_dies_while_the_tracker_measures_is_lost_within_two_seconds(emscon, patient):
+    emscon.script[Command.START_MEASUREMENT] = answered()
+    emscon.dies_at = Command.GET_TRACKER_STATUS
 
-    await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
-
-    assert len(fake.asked(Command.GET_TRACKER_STATUS)) > 10
-    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+    assert await seconds_of(patient.measure_point(duration_s=30.0)) <= 2.0
 
 
-async def test_a_tracker_that_queues_what_it_is_asked_is_waited_for_in_silence():
-    fake = FakeTracker()
+async def test_a_tracker_that_says_that_it_is_busy_is_waited_for(emscon, patient):
+    emscon.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
+
+    await patient.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
+
+    assert len(emscon.asked(Command.GET_TRACKER_STATUS)) > 10
+    assert (await patient.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+async def test_a_tracker_that_queues_what_it_is_asked_is_waited_for_in_silence(emscon):
     queue = answer(Command.GET_LONG_SYSTEM_PARAMETER, system_param=200, parameter=3)
-    fake.script[Command.GET_LONG_SYSTEM_PARAMETER] = lambda _: [queue]
-    fake.says_busy = False
-    tracker = await patient(fake)
-    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
+    emscon.script[Command.GET_LONG_SYSTEM_PARAMETER] = lambda _: [queue]
+    emscon.says_busy = False
+    tracker = await ready_tracker(emscon, time_outs=TimeOuts())
+    emscon.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
 
     await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
 
-    assert fake.asked(Command.GET_TRACKER_STATUS) == []
+    assert emscon.asked(Command.GET_TRACKER_STATUS) == []
 
 
-async def test_a_sign_of_life_that_comes_behind_the_answer_is_no_answer_too_many():
-    fake = FakeTracker()
-    tracker = await patient(fake)
+async def test_a_sign_of_life_that_comes_behind_the_answer_is_no_answer_too_many(emscon, patient):
     late = Answer(Command.GET_TRACKER_STATUS, ResultStatus.SERVER_BUSY)
-    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(1.0, [answer(request.command), late])]
-    fake.says_busy = False
+    emscon.script[Command.FIND_REFLECTOR] = lambda request: [Slow(1.0, [answer(request.command), late])]
+    emscon.says_busy = False
 
-    await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
+    await patient.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
 
-    assert len(fake.asked(Command.GET_TRACKER_STATUS)) == 1
-    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+    assert len(emscon.asked(Command.GET_TRACKER_STATUS)) == 1
+    assert (await patient.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
 
 
-async def test_a_status_that_nobody_asked_for_is_an_answer_too_many():
-    fake = FakeTracker()
+async def test_a_status_that_nobody_asked_for_is_an_answer_too_many(emscon, patient):
     status = answer(Command.GET_TRACKER_STATUS)
-    fake.script[Command.GET_FACE] = lambda request: [
+    emscon.script[Command.GET_FACE] = lambda request: [
         encode(answer(request.command, tracker_face=1)) + encode(status)
     ]
-    tracker = await patient(fake)
 
     with pytest.raises(RemoteProtocolError, match="more than was asked"):
-        await tracker.measure_point(duration_s=1.0)
+        await patient.measure_point(duration_s=1.0)
 
 
 @pytest.mark.parametrize("command", [Command.GET_ENVIRONMENT_PARAMS, Command.START_MEASUREMENT])
-async def test_an_answer_that_was_lost_is_not_waited_for_where_the_tracker_is_there(command):
-    fake = FakeTracker()
-    tracker = await patient(fake)
-    fake.script[command] = lambda _: []
+async def test_an_answer_that_was_lost_is_not_waited_for_where_the_tracker_is_there(emscon, patient, command):
+    emscon.script[command] = lambda _: []
 
-    assert await seconds_of(USES[command](tracker)) <= 2.0
-    assert not tracker.connected
+    assert await seconds_of(USES[command](patient)) <= 2.0
+    assert not patient.connected
 
 
-async def test_a_result_that_a_living_tracker_never_sends_is_waited_for_ten_seconds_longer():
-    fake = FakeTracker()
-    tracker = await patient(fake)
-    fake.script[Command.START_MEASUREMENT] = lambda request: [answer(request.command)]
+async def test_a_result_that_a_living_tracker_never_sends_is_waited_for_ten_seconds_longer(emscon, patient):
+    emscon.script[Command.START_MEASUREMENT] = answered()
 
-    assert await seconds_of(tracker.measure_point(duration_s=2.0)) == pytest.approx(12.0, abs=0.1)
+    assert await seconds_of(patient.measure_point(duration_s=2.0)) == pytest.approx(12.0, abs=0.1)

@@ -7,9 +7,13 @@ import pytest
 from tests.helpers.instruments.emscon_in_memory import (
     FakeTracker,
     answer,
+    answered,
     healthy,
+    point,
     ready_tracker,
+    refused,
     single,
+    told,
     tracker_on,
 )
 from truepose_drivers.api import PointTracker
@@ -39,22 +43,19 @@ from truepose_drivers.leica_emscon.protocol import (
 
 pytestmark = pytest.mark.simulated_time
 
-
-def test_it_is_a_point_tracker():
-    tracker: PointTracker = tracker_on(FakeTracker())
-
-    assert not tracker.connected
+STREAMED = Result(PacketType.REFLECTOR_POS_RESULT, Record(val1=9.0, val2=9.0, val3=9.0))
 
 
-async def test_a_reading_carries_what_the_tracker_said():
-    tracker = await ready_tracker(FakeTracker())
+async def test_a_reading_carries_what_the_tracker_said(tracker):
+    as_api: PointTracker = tracker
 
-    reading = await tracker.measure_point(duration_s=1.0)
+    reading = await as_api.measure_point(duration_s=1.0)
 
     assert reading.point_mm == (1.0, 2.0, 3.0)
     assert reading.standard_deviation_mm == (0.001, 0.002, 0.003)
     assert reading.rms_mm == 0.004
     assert (reading.face, reading.time_s, reading.duration_s) == (1, 12.5, 1.0)
+    assert reading.covariance_mm2 is None
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 3, 4096])  # the result has 204 bytes
@@ -68,164 +69,116 @@ async def test_a_reading_survives_any_split_of_the_stream(chunk_bytes):
     assert reading.point_mm == (1.0, 2.0, 3.0)
 
 
-async def test_the_older_result_packet_is_taken_as_well():
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(PacketType.SINGLE_MEAS_RESULT, val1=4.0, val2=5.0, val3=6.0),
-    ]
-    tracker = await ready_tracker(fake)
-
-    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (4.0, 5.0, 6.0)
-
-
-async def test_the_covariance_is_that_of_the_accuracy_model_and_absent_where_none_is_stated():
-    fake = FakeTracker()
-    stated = {"apriori_std1": 0.01, "apriori_std2": 0.02, "apriori_std3": 0.02, "apriori_covar12": 1e-5}
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(val1=1.0, val2=2.0, val3=3.0, **stated),
-    ]
-    tracker = await ready_tracker(fake)
-
-    covariance = (await tracker.measure_point(duration_s=1.0)).covariance_mm2
-    silent = (await (await ready_tracker(FakeTracker())).measure_point(duration_s=1.0)).covariance_mm2
-
-    assert covariance == ((1e-4, 1e-5, 0.0), (1e-5, 4e-4, 0.0), (0.0, 0.0, 4e-4))
-    assert silent is None
-
-
-async def test_a_deviation_that_overflows_its_square_is_no_fault_of_the_program():
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(val1=1.0, val2=2.0, val3=3.0, apriori_std1=1e200, apriori_std2=0.01, apriori_std3=0.01),
-    ]
-    tracker = guarded("leica_emscon", "tracker", await ready_tracker(fake))
-
-    with pytest.raises(ImplausibleReadingError, match="covariance"):
-        await tracker.measure_point(duration_s=1.0)
-
-
-async def test_an_older_tracker_without_statistic_modes_is_initialised_all_the_same():
-    fake = FakeTracker()
-    fake.script[Command.SET_STATISTIC_MODE] = lambda _: [
-        Answer(Command.SET_STATISTIC_MODE, ResultStatus.NOT_IMPLEMENTED)
-    ]
-
-    tracker = await ready_tracker(fake)
-
-    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
-
-
-async def test_unasked_packets_in_between_do_not_disturb_a_measurement():
-    fake = FakeTracker()
-    streamed = Result(PacketType.REFLECTOR_POS_RESULT, Record(val1=9.0, val2=9.0, val3=9.0))
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        StatusChange(SystemStatusChange.MEAS_STATUS_BUSY),
-        streamed,
-        answer(Command.START_MEASUREMENT),
-        streamed,
-        StatusChange(4711),
-        single(val1=1.0, val2=2.0, val3=3.0),
-        StatusChange(SystemStatusChange.MEAS_STATUS_READY),
-        streamed,
-    ]
-    tracker = await ready_tracker(fake)
-
-    points = [(await tracker.measure_point(duration_s=1.0)).point_mm for _ in range(2)]
-
-    assert points == [(1.0, 2.0, 3.0)] * 2
-
-
-async def test_a_result_that_was_under_way_before_the_question_is_not_taken():
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        single(val1=9.0, val2=9.0, val3=9.0),
-        answer(Command.START_MEASUREMENT),
-        single(val1=1.0, val2=2.0, val3=3.0),
-    ]
-    tracker = await ready_tracker(fake)
+@pytest.mark.parametrize(
+    "packets",
+    [
+        [
+            answer(Command.START_MEASUREMENT),
+            single(PacketType.SINGLE_MEAS_RESULT, val1=1.0, val2=2.0, val3=3.0),
+        ],
+        [
+            StatusChange(SystemStatusChange.MEAS_STATUS_BUSY),
+            STREAMED,
+            answer(Command.START_MEASUREMENT),
+            STREAMED,
+            StatusChange(4711),
+            point(),
+            StatusChange(SystemStatusChange.MEAS_STATUS_READY),
+            STREAMED,
+        ],
+        [point(val1=9.0), answer(Command.START_MEASUREMENT), point()],  # under way before the question
+    ],
+    ids=["older packet", "unasked packets in between", "result of before"],
+)
+async def test_a_point_is_found_in_either_packet_among_whatever_else_comes(emscon, tracker, packets):
+    emscon.script[Command.START_MEASUREMENT] = lambda _: packets
 
     points = [(await tracker.measure_point(duration_s=1.0)).point_mm for _ in range(3)]
 
     assert points == [(1.0, 2.0, 3.0)] * 3
 
 
-async def test_a_result_of_an_earlier_measurement_is_not_taken_again():
-    fake = FakeTracker()
-    places = iter([(1.0, 2.0, 3.0), (500.0, 0.0, 0.0), (1.0, 2.0, 3.0)])
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(**dict(zip(("val1", "val2", "val3"), next(places), strict=True)), std_total=0.004),
+async def test_the_covariance_is_that_of_the_accuracy_model(emscon, tracker):
+    stated = {"apriori_std1": 0.01, "apriori_std2": 0.02, "apriori_std3": 0.02, "apriori_covar12": 1e-5}
+    emscon.script[Command.START_MEASUREMENT] = answered(point(**stated))
+
+    covariance = (await tracker.measure_point(duration_s=1.0)).covariance_mm2
+
+    assert covariance == ((1e-4, 1e-5, 0.0), (1e-5, 4e-4, 0.0), (0.0, 0.0, 4e-4))
+
+
+async def test_a_deviation_that_overflows_its_square_is_no_fault_of_the_program(emscon, tracker):
+    overflowing = point(apriori_std1=1e200, apriori_std2=0.01, apriori_std3=0.01)
+    emscon.script[Command.START_MEASUREMENT] = answered(overflowing)
+
+    with pytest.raises(ImplausibleReadingError, match="covariance"):
+        await guarded("leica_emscon", "tracker", tracker).measure_point(duration_s=1.0)
+
+
+async def test_an_older_tracker_without_statistic_modes_is_initialised_all_the_same(emscon):
+    emscon.script[Command.SET_STATISTIC_MODE] = refused()
+
+    tracker = await ready_tracker(emscon)
+
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("sees", [told(val1=500.0), refused(ResultStatus.NO_DISTANCE_SET)])
+async def test_a_result_of_an_earlier_measurement_is_not_taken_again(emscon, tracker, sees):
+    places = iter([1.0, 500.0, 1.0])
+    emscon.script[Command.START_MEASUREMENT] = lambda request: [
+        answer(request.command),
+        point(val1=next(places)),
     ]
-    tracker = await ready_tracker(fake)
     await tracker.measure_point(duration_s=1.0)
     await tracker.measure_point(duration_s=1.0)
-    fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda _: [
-        answer(Command.GET_CURRENT_PRISM_POSITION, val1=500.0, val2=0.0, val3=0.0)
-    ]
+    emscon.script[Command.GET_CURRENT_PRISM_POSITION] = sees
 
     with pytest.raises(RemoteProtocolError, match="earlier measurement again"):
         await tracker.measure_point(duration_s=1.0)
     assert not tracker.connected
 
 
-async def test_a_tracker_that_repeats_itself_and_sees_no_reflector_is_not_believed():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    await tracker.measure_point(duration_s=1.0)
-    fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda request: [
-        Answer(request.command, ResultStatus.NO_DISTANCE_SET)
-    ]
+@pytest.mark.parametrize(
+    ("stated", "complaint"),
+    [
+        ({"meas_mode": 1}, "another mode"),
+        ({"is_try_mode": True}, "another mode"),
+        ({"val1": math.nan}, "no point"),
+        ({"std1": -0.1}, "standard deviations"),
+        ({"std2": -1.0}, "standard deviations"),
+        ({"std2": math.inf}, "standard deviations"),
+        ({"std_total": math.inf}, "standard deviations"),
+    ],
+)
+async def test_a_result_that_is_no_stationary_point_closes_the_link(emscon, tracker, stated, complaint):
+    emscon.script[Command.START_MEASUREMENT] = answered(point(**stated))
 
-    with pytest.raises(RemoteProtocolError, match="earlier measurement again"):
-        await tracker.measure_point(duration_s=1.0)
-
-
-@pytest.mark.parametrize("values", [{"meas_mode": 1}, {"is_try_mode": True}, {"std1": -0.1}])
-async def test_a_result_that_is_no_stationary_point_closes_the_link(values):
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(val1=1.0, val2=2.0, val3=3.0, **values),
-    ]
-    tracker = await ready_tracker(fake)
-
-    with pytest.raises(RemoteProtocolError):
+    with pytest.raises(RemoteProtocolError, match=complaint):
         await tracker.measure_point(duration_s=1.0)
     assert not tracker.connected
 
 
-async def test_the_measuring_time_is_sent_when_it_changes_only():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-
+async def test_the_measuring_time_is_sent_when_it_changes_only(emscon, tracker):
     for duration_s in (1.0, 1.0, 2.5, 2.5):
         await tracker.measure_point(duration_s=duration_s)
 
-    sent = [request.values["meas_time"] for request in fake.asked(Command.SET_STATIONARY_MODE_PARAMS)]
+    sent = [request.values["meas_time"] for request in emscon.asked(Command.SET_STATIONARY_MODE_PARAMS)]
     assert sent == [1000, 2500]
 
 
-async def test_finding_a_reflector_aims_there_and_searches_within_the_radius():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-
+async def test_finding_a_reflector_aims_there_and_searches_within_the_radius(emscon, tracker):
     await tracker.find_reflector((300.0, 0.0, 400.0), search_radius_mm=10.0)
 
-    assert fake.asked(Command.SET_SEARCH_PARAMS)[0].values["search_radius"] == 10.0
-    aim = fake.asked(Command.GO_POSITION)[0].values
-    assert aim.vector() == (300.0, 0.0, 400.0)
-    assert fake.asked(Command.FIND_REFLECTOR)[0].values == {"aprox_distance": 500.0}
+    assert emscon.asked(Command.SET_SEARCH_PARAMS)[0].values["search_radius"] == 10.0
+    assert emscon.asked(Command.GO_POSITION)[0].values.vector() == (300.0, 0.0, 400.0)
+    assert emscon.asked(Command.FIND_REFLECTOR)[0].values == {"aprox_distance": 500.0}
 
 
 @pytest.mark.parametrize("command", [Command.GO_POSITION, Command.FIND_REFLECTOR])
 @pytest.mark.parametrize("kind", [Answer, ErrorReport])
-async def test_an_empty_nest_is_reported_as_a_reflector_not_found(command, kind):
-    fake = FakeTracker()
-    fake.script[command] = lambda _: [kind(command, ResultStatus.NO_DISTANCE_SET)]
-    tracker = await ready_tracker(fake)
+async def test_an_empty_nest_is_reported_as_a_reflector_not_found(emscon, tracker, command, kind):
+    emscon.script[command] = lambda _: [kind(command, ResultStatus.NO_DISTANCE_SET)]
 
     with pytest.raises(ReflectorNotFoundError, match="sits in its nest"):
         await tracker.find_reflector((300.0, 0.0, 400.0), search_radius_mm=10.0)
@@ -243,109 +196,68 @@ async def test_an_empty_nest_is_reported_as_a_reflector_not_found(command, kind)
         [answer(Command.START_MEASUREMENT), single(status=ResultStatus.NO_STATIONARY_RESULT)],
     ],
 )
-async def test_a_broken_beam_is_reported_however_the_tracker_says_it(packets):
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    fake.script[Command.START_MEASUREMENT] = lambda _: packets
+async def test_a_broken_beam_is_reported_however_the_tracker_says_it(emscon, tracker, packets):
+    emscon.script[Command.START_MEASUREMENT] = lambda _: packets
 
     with pytest.raises(BeamBrokenError, match="line of sight"):
         await tracker.measure_point(duration_s=1.0)
 
-    fake.script = healthy()
+    emscon.script = healthy()
     assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
 
 
-async def test_an_error_that_arrived_before_the_measurement_is_not_taken_for_its_own():
-    fake = FakeTracker()
+async def test_an_error_that_arrived_before_the_measurement_is_not_taken_for_its_own(emscon, tracker):
     stale = encode(ErrorReport(Command.START_MEASUREMENT, ResultStatus.NO_DISTANCE_SET))
     face = encode(answer(Command.GET_FACE, tracker_face=1))
-    fake.script[Command.GET_FACE] = lambda _: [face + stale]
-    tracker = await ready_tracker(fake)
+    emscon.script[Command.GET_FACE] = lambda _: [face + stale]
 
     points = [(await tracker.measure_point(duration_s=1.0)).point_mm for _ in range(2)]
 
     assert points == [(1.0, 2.0, 3.0)] * 2
 
 
-@pytest.mark.parametrize(
-    ("stated", "complaint"),
-    [
-        ({"val1": math.nan}, "no point"),
-        ({"std2": -1.0}, "standard deviations"),
-        ({"std2": math.inf}, "standard deviations"),
-        ({"std_total": math.inf}, "standard deviations"),
-    ],
-)
-async def test_a_point_that_is_none_is_refused(stated, complaint):
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [
-        answer(Command.START_MEASUREMENT),
-        single(**stated),
+async def test_the_face_is_changed_and_checked(emscon, tracker):
+    emscon.script[Command.GET_FACE] = lambda request: [
+        answer(request.command, tracker_face=1 + len(emscon.asked(Command.CHANGE_FACE)) % 2)
     ]
-    tracker = await ready_tracker(fake)
-
-    with pytest.raises(RemoteProtocolError, match=complaint):
-        await tracker.measure_point(duration_s=1.0)
-
-
-async def test_the_face_is_changed_and_checked():
-    fake = FakeTracker()
-    fake.script[Command.GET_FACE] = lambda _: [
-        answer(Command.GET_FACE, tracker_face=1 + len(fake.asked(Command.CHANGE_FACE)) % 2)
-    ]
-    tracker = await ready_tracker(fake)
 
     await tracker.change_face()
 
     assert (await tracker.measure_point(duration_s=1.0)).face == 2
 
 
-async def test_a_tracker_that_stays_in_its_face_is_reported():
-    tracker = await ready_tracker(FakeTracker())
-
+async def test_a_tracker_that_stays_in_its_face_is_reported(tracker):
     with pytest.raises(DeviceRefusedError, match="still stands in face 1"):
         await tracker.change_face()
 
 
-@pytest.mark.parametrize("duration_s", [0.0, -1.0, float("nan"), float("inf")])
-async def test_an_absurd_measuring_time_never_reaches_the_tracker(duration_s):
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-
-    with pytest.raises(ConfigurationError, match="measurement of"):
-        await tracker.measure_point(duration_s=duration_s)
-
-    assert fake.asked(Command.START_MEASUREMENT) == []
-
-
 @pytest.mark.parametrize(
-    ("near_mm", "radius_mm"),
-    [((0.0, 0.0, 0.0), 1.0), ((float("nan"), 0.0, 1.0), 1.0), ((1.0, 0.0, 0.0), 0.0)],
+    ("use", "numbers"),
+    [
+        *(("measure_point", {"duration_s": duration_s}) for duration_s in (0.0, -1.0, math.nan, math.inf)),
+        ("find_reflector", {"near_mm": (0.0, 0.0, 0.0), "search_radius_mm": 1.0}),
+        ("find_reflector", {"near_mm": (math.nan, 0.0, 1.0), "search_radius_mm": 1.0}),
+        ("find_reflector", {"near_mm": (1.0, 0.0, 0.0), "search_radius_mm": 0.0}),
+    ],
 )
-async def test_an_absurd_search_never_reaches_the_tracker(near_mm, radius_mm):
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-
+async def test_an_absurd_measurement_or_search_never_reaches_the_tracker(emscon, tracker, use, numbers):
     with pytest.raises(ConfigurationError):
-        await tracker.find_reflector(near_mm, search_radius_mm=radius_mm)
+        await getattr(tracker, use)(**numbers)
 
-    assert fake.asked(Command.GO_POSITION) == []
+    assert emscon.asked(Command.START_MEASUREMENT) + emscon.asked(Command.GO_POSITION) == []
 
 
 def test_the_fake_can_answer_every_command():
     assert set(EXCHANGES) <= set(healthy())
 
 
-async def test_whoever_looks_on_is_told_where_the_reflector_is():
-    fake = FakeTracker()
-    tracker = tracker_on(fake)
+async def test_whoever_looks_on_is_told_where_the_reflector_is(emscon):
+    tracker = tracker_on(emscon)
 
     assert await tracker.reflector_now() is None  # not connected: nobody is asked
-    tracker = guarded("leica_emscon", "tracker", await ready_tracker(fake))
+    tracker = guarded("leica_emscon", "tracker", await ready_tracker(emscon))
     assert await tracker.reflector_now() == (1.0, 2.0, 3.0)
 
-    fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda request: [
-        Answer(request.command, ResultStatus.NO_DISTANCE_SET)
-    ]
+    emscon.script[Command.GET_CURRENT_PRISM_POSITION] = refused(ResultStatus.NO_DISTANCE_SET)
     assert await tracker.reflector_now() is None
     assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
