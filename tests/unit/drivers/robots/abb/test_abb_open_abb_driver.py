@@ -39,10 +39,7 @@ from truepose_drivers.errors import (
 pytestmark = pytest.mark.simulated_time
 
 
-async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_know():
-    fake = FakeController()
-    robot = await connected_robot(fake)
-
+async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_know(fake, robot):
     await robot.identify()
     await robot.set_limits(FAST)
     await robot.move_joints(TARGET)
@@ -76,8 +73,7 @@ async def test_connecting_asks_who_is_there_each_time():
     assert robot.motion_guard == MotionGuard(longest_piece_s=1.0)
 
 
-async def test_the_point_at_which_speeds_hold_is_that_of_the_tool():
-    fake = FakeController()
+async def test_the_point_at_which_speeds_hold_is_that_of_the_tool(fake):
     link = MemoryLink(fake.serve)
     robot = OpenAbbRobot(link, FixedClock(), time_outs=QUICK, tool_mm=(150.0, 0.04, 125.0))
     assert robot.motion_guard.speed_point_mm == (150.0, 0.04, 125.0)
@@ -123,9 +119,7 @@ def test_it_is_a_robot_controller_that_cannot_stop():
     assert not robot.connected
 
 
-async def test_a_joint_target_goes_out_in_degrees_with_five_decimals():
-    fake = FakeController()
-    robot = await connected_robot(fake)
+async def test_a_joint_target_goes_out_in_degrees_with_five_decimals(fake, robot):
     await robot.set_limits(FAST)
 
     await robot.move_joints(TARGET)
@@ -133,18 +127,13 @@ async def test_a_joint_target_goes_out_in_degrees_with_five_decimals():
     assert fake.requests[-1] == "2 +0005.72958 -0011.45916 +0017.18873 +0000.00000 +0045.00000 -0057.29578 #"
 
 
-async def test_limits_are_sent_in_wire_units_with_a_fine_zone():
-    fake = FakeController()
-    robot = await connected_robot(fake)
-
+async def test_limits_are_sent_in_wire_units_with_a_fine_zone(fake, robot):
     await robot.set_limits(MotionLimits(tool_speed_mm_s=500.0, orientation_speed_rad_s=math.radians(20.0)))
 
     assert fake.requests == [*PLAIN_TOOL, "8 500.0 20.00 #", "9 1 0 0 0 #"]
 
 
-async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone():
-    fake = FakeController()
-    robot = await connected_robot(fake)
+async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone(fake, robot):
     await robot.set_limits(FAST)
     await robot.connect()  # the controller may have been restarted meanwhile
     fake.requests.clear()
@@ -325,8 +314,7 @@ async def test_a_logger_that_shows_no_standstill_leaves_the_motion_its_time(serv
     assert await silent_motion(serve, (0.0,) * 6, "did not report the end") > 10.0
 
 
-async def test_a_motion_that_is_answered_at_once_asks_no_logger():
-    fake = FakeController()
+async def test_a_motion_that_is_answered_at_once_asks_no_logger(fake):
     robot = OpenAbbRobot(
         MemoryLink(fake.serve), FixedClock(), time_outs=QUICK, log=JointLog(MemoryLink(None))
     )

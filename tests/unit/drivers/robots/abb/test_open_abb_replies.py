@@ -93,9 +93,8 @@ STATED = "10.00 -20.55 30.00 0.00 45.00 -0.01"
         "10.00 -20.555 30.00 0.00 45.00 -0.01",  # one came twice
     ],
 )
-async def test_digits_that_were_lost_or_came_twice_are_found_by_asking_again(bad):
+async def test_digits_that_were_lost_or_came_twice_are_found_by_asking_again(fake, bad):
     said = iter([STATED, STATED, bad, STATED])
-    fake = FakeController()
     fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
     robot = await connected_robot(fake)
 
@@ -105,9 +104,8 @@ async def test_digits_that_were_lost_or_came_twice_are_found_by_asking_again(bad
         assert math.degrees(reading.joints_rad[5]) == pytest.approx(-0.01)
 
 
-async def test_joints_of_which_nobody_can_tell_whether_they_are_whole_close_the_link():
+async def test_joints_of_which_nobody_can_tell_whether_they_are_whole_close_the_link(fake):
     said = iter(["10 20 30 0 45 9", "10 20 30 0 45 90"])
-    fake = FakeController()
     fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
     robot = await connected_robot(fake)
 

@@ -85,6 +85,16 @@ def ours(**replies):
     return FakeController(identity="0:truepose 1,LR Mate 200iC,F123,V7.70P;", **replies)
 
 
+@pytest.fixture
+def fake():
+    return FakeController()
+
+
+@pytest.fixture
+async def robot(fake):
+    return await connected(fake)
+
+
 def test_it_is_a_robot_controller_that_cannot_stop():
     robot: RobotController = MappdkRobot(MemoryLink(None), FixedClock())
 
@@ -93,8 +103,9 @@ def test_it_is_a_robot_controller_that_cannot_stop():
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
-async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_robot_file_does(chunk_bytes):
-    fake = FakeController()
+async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_robot_file_does(
+    fake, chunk_bytes
+):
     robot = await connected(fake, chunk_bytes)
 
     await robot.move_joints(TARGET)
@@ -106,9 +117,7 @@ async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_
     assert reading.time_s == 12.5
 
 
-async def test_every_motion_is_sent_to_rest_at_a_share_of_the_joint_speeds():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_every_motion_is_sent_to_rest_at_a_share_of_the_joint_speeds(fake, robot):
     await robot.set_limits(FINE_LIMITS)
 
     await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -117,10 +126,7 @@ async def test_every_motion_is_sent_to_rest_at_a_share_of_the_joint_speeds():
     assert line.startswith("movej:0005:0100:000:0:6:+000090.000000:")
 
 
-async def test_a_stock_server_is_sent_short_pieces_and_only_one_word_that_it_does_not_know():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_a_stock_server_is_sent_short_pieces_and_only_one_word_that_it_does_not_know(fake, robot):
     await robot.move_joints(TARGET)
     await robot.move_joints(TARGET)
 
@@ -154,9 +160,7 @@ async def test_a_server_that_does_not_watch_as_told_is_not_moved():
     assert fake.shown_deg == (0.0,) * 6
 
 
-async def test_a_limit_below_the_slowest_share_is_refused_by_what_would_keep_it():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_limit_below_the_slowest_share_is_refused_by_what_would_keep_it(fake, robot):
     await robot.set_limits(MotionLimits(20.0, math.radians(3.0)))
 
     with pytest.raises(DeviceRefusedError, match=r"below 1 %.*own"):
@@ -315,8 +319,7 @@ async def test_joints_are_read_at_the_logger_while_the_arm_moves():
     await robot.close()
 
 
-async def test_without_a_logger_joints_are_told_after_the_motion():
-    fake = FakeController()
+async def test_without_a_logger_joints_are_told_after_the_motion(fake):
     robot = await connected(fake, logger=MemoryLink(None))
 
     motion = asyncio.create_task(robot.move_joints(TARGET))

@@ -44,10 +44,7 @@ def test_it_sends_short_pieces_only():
     assert not robot.connected
 
 
-async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_robot_file_does():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_robot_file_does(fake, robot):
     await robot.move_joints(TARGET)
     reading = await robot.read_joints()
 
@@ -57,9 +54,7 @@ async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_
     assert reading.time_s == 12.5
 
 
-async def test_the_controller_is_initialised_for_the_first_motion_and_not_before():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_the_controller_is_initialised_for_the_first_motion_and_not_before(fake, robot):
     await robot.read_joints()
     assert fake.told == ["FRC_ReadJointAngles", "FRC_ReadJointAngles"]
     fake.told.clear()
@@ -74,20 +69,16 @@ async def test_the_controller_is_initialised_for_the_first_motion_and_not_before
     assert {packet.fields["TermType"] for packet in fake.motions} == {"FINE"}
 
 
-async def test_instructions_are_counted_on_from_where_the_controller_stands():
-    fake = FakeController()
+async def test_instructions_are_counted_on_from_where_the_controller_stands(fake, robot):
     fake.status = replace_status(fake.status, next_sequence=41)
-    robot = await connected(fake)
 
     await robot.move_joints(TARGET)
 
     assert fake.motions[0].fields["SequenceID"] == 41
 
 
-async def test_a_program_that_another_session_left_is_ended_first():
-    fake = FakeController()
+async def test_a_program_that_another_session_left_is_ended_first(fake, robot):
     fake.status = replace_status(fake.status, running=True)
-    robot = await connected(fake)
 
     await robot.move_joints(TARGET)
 
@@ -123,20 +114,15 @@ async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why():
 @pytest.mark.parametrize(
     ("change", "words"), [({"pendant_on": True}, "pendant off"), ({"single_step": True}, "single steps")]
 )
-async def test_an_arm_in_a_persons_hands_is_not_moved(change, words):
-    fake = FakeController()
+async def test_an_arm_in_a_persons_hands_is_not_moved(fake, robot, change, words):
     fake.status = replace_status(fake.status, **change)
-    robot = await connected(fake)
 
     with pytest.raises(NotInitialisedError, match=words):
         await robot.move_joints(TARGET)
     assert "FRC_Initialize" not in fake.told
 
 
-async def test_a_fault_between_two_pieces_ends_the_motion():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_a_fault_between_two_pieces_ends_the_motion(fake, robot):
     moving = await begun(robot, fake, 20.0)
     await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=2)))
 
@@ -146,10 +132,8 @@ async def test_a_fault_between_two_pieces_ends_the_motion():
     assert fake.told.count("FRC_Initialize") == 1
 
 
-async def test_additional_axes_stay_where_they_are():
-    fake = FakeController()
+async def test_additional_axes_stay_where_they_are(fake, robot):
     fake.axes_deg = (*(0.0,) * 6, 123.5, 7.0, 0.0)
-    robot = await connected(fake)
 
     await robot.move_joints(TARGET)
 
@@ -246,9 +230,7 @@ async def test_an_abandoned_motion_ends_the_session_and_with_it_the_controllers_
     assert fake.told[-1] == "FRC_Disconnect"
 
 
-async def test_joints_that_are_not_told_are_no_reading():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_joints_that_are_not_told_are_no_reading(fake, robot):
     fake.replies["FRC_ReadJointAngles"] = refusal(protocol.INVALID_STATE)
 
     with pytest.raises(DeviceRefusedError, match="not ready"):
@@ -256,9 +238,7 @@ async def test_joints_that_are_not_told_are_no_reading():
     assert robot.connected
 
 
-async def test_joints_are_read_between_the_pieces_of_a_motion():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_joints_are_read_between_the_pieces_of_a_motion(fake, robot):
     await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
 
     moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
@@ -270,10 +250,7 @@ async def test_joints_are_read_between_the_pieces_of_a_motion():
     assert 0.0 < under_way < 1.0
 
 
-async def test_two_motions_at_once_go_one_after_the_other():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_two_motions_at_once_go_one_after_the_other(fake, robot):
     await asyncio.gather(robot.move_joints(TARGET), robot.move_joints((0.0,) * 6))
 
     assert [packet.fields["SequenceID"] for packet in fake.motions] == list(range(1, len(fake.motions) + 1))

@@ -30,10 +30,7 @@ from truepose_drivers.fanuc_rmi.protocol import (
 pytestmark = pytest.mark.simulated_time
 
 
-async def test_whoever_closes_says_so():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_whoever_closes_says_so(fake, robot):
     await robot.close()
     await robot.close()
 
@@ -57,9 +54,7 @@ async def test_the_end_of_another_motion_is_none():
     assert not robot.connected
 
 
-async def test_joints_that_are_stated_again_are_asked_for_again():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_joints_that_are_stated_again_are_asked_for_again(fake, robot):
     tags = iter([5000, 5000, 5001])
     fake.replies["FRC_ReadJointAngles"] = lambda packet: encode(
         reply(packet, fields={"TimeTag": next(tags), "JointAngle": encode_axes(fake.axes_deg)})
@@ -71,9 +66,7 @@ async def test_joints_that_are_stated_again_are_asked_for_again():
     assert list(tags) == []
 
 
-async def test_older_joints_are_no_reading():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_older_joints_are_no_reading(fake, robot):
     await robot.read_joints()
     fake.time_ms -= 100
 
@@ -82,18 +75,14 @@ async def test_older_joints_are_no_reading():
     assert not robot.connected
 
 
-async def test_what_was_not_asked_is_noticed_before_the_next_question():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_what_was_not_asked_is_noticed_before_the_next_question(fake, robot):
     await fake.ends[-1].send(b'{"Command": "FRC_ReadJointAngles", "ErrorID": 0}\r\n')
 
     with pytest.raises(RemoteProtocolError, match="not asked"):
         await robot.read_joints()
 
 
-async def test_a_controller_that_ends_the_session_is_a_lost_one():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_controller_that_ends_the_session_is_a_lost_one(fake, robot):
     await fake.ends[-1].send(encode(session(Session.TERMINATE)))
 
     with pytest.raises(ConnectionLostError, match="hour"):
@@ -101,9 +90,7 @@ async def test_a_controller_that_ends_the_session_is_a_lost_one():
     assert not robot.connected
 
 
-async def test_a_fault_between_two_motions_has_the_controller_initialised_anew():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_fault_between_two_motions_has_the_controller_initialised_anew(fake, robot):
     await robot.move_joints(TARGET)
     await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=1)))
     await fake.ends[-1].send(encode(session(Session.ASCII_READY)))
@@ -149,9 +136,7 @@ async def test_nobody_at_the_address_is_said_at_once():
     assert asyncio.get_running_loop().time() == begun_s
 
 
-async def test_it_moves_again_after_connecting_again():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_it_moves_again_after_connecting_again(fake, robot):
     await robot.move_joints(TARGET)
     fake.ends[-1].close()
     with pytest.raises(ConnectionLostError):

@@ -26,9 +26,7 @@ from truepose_drivers.fanuc_rmi.protocol import (
 pytestmark = pytest.mark.simulated_time
 
 
-async def test_no_piece_takes_longer_than_it_may_go_on_alone():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_no_piece_takes_longer_than_it_may_go_on_alone(fake, robot):
     await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
 
     await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -41,10 +39,8 @@ async def test_no_piece_takes_longer_than_it_may_go_on_alone():
     assert steps[-1] == pytest.approx(90.0)
 
 
-async def test_a_low_override_makes_pieces_shorter():
-    fake = FakeController()
+async def test_a_low_override_makes_pieces_shorter(fake, robot):
     fake.status = replace_status(fake.status, override_percent=10)
-    robot = await connected(fake)
     await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
 
     await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -52,10 +48,7 @@ async def test_a_low_override_makes_pieces_shorter():
     assert len(fake.motions) == math.ceil(90.0 / 1.75 / 0.8)
 
 
-async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shorter_from_there():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shorter_from_there(fake, robot):
     moving = await begun(robot, fake, 20.0)
     before = len(fake.motions)
     fake.status = replace_status(fake.status, override_percent=50)
@@ -68,10 +61,8 @@ async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shor
     assert ends[-1] == pytest.approx(90.0)
 
 
-async def test_the_override_that_somebody_set_is_told_and_not_the_drivers_own():
-    fake = FakeController()
+async def test_the_override_that_somebody_set_is_told_and_not_the_drivers_own(fake, robot):
     fake.status = replace_status(fake.status, override_percent=80)
-    robot = await connected(fake)
     await robot.identify()
     told = [robot.motion_guard.speed_share]
 
@@ -84,10 +75,10 @@ async def test_the_override_that_somebody_set_is_told_and_not_the_drivers_own():
     assert [*told, robot.motion_guard.speed_share] == [0.8, 0.8, 0.3]
 
 
-async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits_and_is_left_to_them():
-    fake = FakeController()
+async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits_and_is_left_to_them(
+    fake, robot
+):
     fake.status = replace_status(fake.status, override_percent=80)
-    robot = await connected(fake)
 
     moving = await begun(robot, fake, 2.0)
     fake.status = replace_status(fake.status, override_percent=100)
@@ -96,10 +87,8 @@ async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits
     assert fake.overrides == [57, 57, 100]  # 2.0 of 3.5 deg/s, once more, and what somebody had set
 
 
-async def test_an_override_that_makes_a_motion_endless_is_refused():
-    fake = FakeController()
+async def test_an_override_that_makes_a_motion_endless_is_refused(fake, robot):
     fake.status = replace_status(fake.status, override_percent=1)
-    robot = await connected(fake)
     await robot.set_limits(MotionLimits(1e5, math.radians(4.0)))
 
     with pytest.raises(DeviceRefusedError, match="override"):
@@ -107,9 +96,7 @@ async def test_an_override_that_makes_a_motion_endless_is_refused():
     assert fake.motions == []
 
 
-async def test_a_limit_below_the_slowest_share_is_kept_by_a_lower_override_for_so_long():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_limit_below_the_slowest_share_is_kept_by_a_lower_override_for_so_long(fake, robot):
     await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 
     await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -141,9 +128,7 @@ async def test_an_override_that_is_not_kept_moves_nothing():
     assert fake.motions == []
 
 
-async def test_a_limit_that_no_speed_keeps_is_refused():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_limit_that_no_speed_keeps_is_refused(fake, robot):
     await robot.set_limits(MotionLimits(0.01, math.radians(3.0)))
 
     with pytest.raises(DeviceRefusedError, match="no speed as low"):

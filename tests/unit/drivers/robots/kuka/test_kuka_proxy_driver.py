@@ -107,6 +107,16 @@ async def connected(fake, chunk_bytes=4096, **changes):
     return robot
 
 
+@pytest.fixture
+def fake():
+    return FakeController()
+
+
+@pytest.fixture
+async def robot(fake):
+    return await connected(fake)
+
+
 def test_it_is_a_robot_that_stops_when_it_is_not_heard():
     robot: RobotController = KukaRobot(MemoryLink(None), FixedClock())
 
@@ -116,8 +126,7 @@ def test_it_is_a_robot_that_stops_when_it_is_not_heard():
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 4096])
-async def test_a_target_goes_out_and_comes_back(chunk_bytes):
-    fake = FakeController()
+async def test_a_target_goes_out_and_comes_back(fake, chunk_bytes):
     robot = await connected(fake, chunk_bytes)
 
     await robot.move_joints(TARGET)
@@ -129,8 +138,7 @@ async def test_a_target_goes_out_and_comes_back(chunk_bytes):
     assert reading.time_s == 12.5
 
 
-async def test_joints_that_are_counted_the_other_way_round_are_turned_both_ways():
-    fake = FakeController()
+async def test_joints_that_are_counted_the_other_way_round_are_turned_both_ways(fake):
     robot = await connected(fake, signs=(-1, 1, 1, -1, 1, -1))
 
     await robot.move_joints(TARGET)
@@ -146,10 +154,7 @@ async def test_joints_that_are_counted_the_other_way_round_are_turned_both_ways(
     assert (await robot.read_joints()).joints_rad == pytest.approx(TARGET, abs=1e-7)
 
 
-async def test_the_number_is_written_last_and_is_a_new_one():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_the_number_is_written_last_and_is_a_new_one(fake, robot):
     await robot.move_joints(TARGET)
 
     names = [name for name, _ in fake.written]
@@ -157,9 +162,7 @@ async def test_the_number_is_written_last_and_is_a_new_one():
     assert fake.values("TP_NUMBER") == ["5"]
 
 
-async def test_a_motion_keeps_the_limits_by_share_and_override():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_motion_keeps_the_limits_by_share_and_override(fake, robot):
     await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 
     await robot.move_joints(tuple(map(math.radians, (90.0, *HOME_DEG[1:6]))))
@@ -179,10 +182,8 @@ async def test_an_override_that_somebody_lowered_is_left_as_it_is():
     assert fake.values("$OV_PRO") == []
 
 
-async def test_beats_differ_for_as_long_as_the_arm_moves():
-    fake = FakeController()
+async def test_beats_differ_for_as_long_as_the_arm_moves(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number)
-    robot = await connected(fake)
 
     moving = asyncio.create_task(robot.move_joints(TARGET))
     await asyncio.sleep(2.0)
@@ -193,10 +194,8 @@ async def test_beats_differ_for_as_long_as_the_arm_moves():
     assert len(set(beats)) == len(beats) > 20
 
 
-async def test_an_abandoned_motion_is_heard_of_no_more():
-    fake = FakeController()
+async def test_an_abandoned_motion_is_heard_of_no_more(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number)
-    robot = await connected(fake)
     moving = asyncio.create_task(robot.move_joints(TARGET))
     await asyncio.sleep(1.0)
 
@@ -219,19 +218,15 @@ async def test_a_motion_that_has_not_ended_is_not_overtaken():
     assert fake.written == []
 
 
-async def test_an_arm_that_stopped_because_nobody_was_heard_is_a_lost_link():
-    fake = FakeController()
+async def test_an_arm_that_stopped_because_nobody_was_heard_is_a_lost_link(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number, given_up=number)
-    robot = await connected(fake)
 
     with pytest.raises(ConnectionLostError, match=r"0\.8 s"):
         await robot.move_joints(TARGET)
 
 
-async def test_a_refused_target_is_named_as_the_pendant_shows_it():
-    fake = FakeController()
+async def test_a_refused_target_is_named_as_the_pendant_shows_it(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number, refused=number)
-    robot = await connected(fake)
 
     with pytest.raises(TargetRefusedError, match=r"10\.000, -20\.000, 50\.000.*pendant.*ranges"):
         await robot.move_joints(TARGET)
@@ -260,19 +255,15 @@ async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why(changes,
     assert (await robot.read_joints()).joints_rad
 
 
-async def test_another_program_that_runs_is_not_taken_for_ours():
-    fake = FakeController()
+async def test_another_program_that_runs_is_not_taken_for_ours(fake, robot):
     fake.on_order = lambda number: None
-    robot = await connected(fake)
 
     with pytest.raises(NotInitialisedError, match="did not begin"):
         await robot.move_joints(TARGET)
 
 
-async def test_a_program_that_is_stopped_on_the_way_is_told():
-    fake = FakeController()
+async def test_a_program_that_is_stopped_on_the_way_is_told(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number)
-    robot = await connected(fake)
     moving = asyncio.create_task(robot.move_joints(TARGET))
     await asyncio.sleep(1.0)
 
@@ -282,29 +273,23 @@ async def test_a_program_that_is_stopped_on_the_way_is_told():
         await moving
 
 
-async def test_a_motion_that_never_ends_is_given_up():
-    fake = FakeController()
+async def test_a_motion_that_never_ends_is_given_up(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number)
-    robot = await connected(fake)
 
     with pytest.raises(NoReplyError, match="not arrived in time"):
         await robot.move_joints(TARGET)
     assert not robot.connected
 
 
-async def test_an_end_that_is_reported_elsewhere_is_none():
-    fake = FakeController()
+async def test_an_end_that_is_reported_elsewhere_is_none(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number, arrived=number)
-    robot = await connected(fake)
 
     with pytest.raises(RemoteProtocolError, match=r"70\.000 deg off"):
         await robot.move_joints(TARGET)
     assert not robot.connected
 
 
-async def test_variables_that_do_not_keep_what_is_written_move_nothing():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_variables_that_do_not_keep_what_is_written_move_nothing(fake, robot):
     fake.spoil = lambda request, answer: encode_answer(
         replace(answer, value="99") if request.name == "TP_PERCENT" and request.value is None else answer
     )
@@ -314,10 +299,7 @@ async def test_variables_that_do_not_keep_what_is_written_move_nothing():
     assert fake.values("TP_NUMBER") == []
 
 
-async def test_an_idle_proxy_is_pinged_before_it_hangs_up():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_an_idle_proxy_is_pinged_before_it_hangs_up(fake, robot):
     await asyncio.sleep(65.0)
 
     assert fake.asked.count("PING") == 6
@@ -327,9 +309,7 @@ async def test_an_idle_proxy_is_pinged_before_it_hangs_up():
     assert fake.asked.count("PING") == 6
 
 
-async def test_a_proxy_that_dies_while_nobody_asks_is_missed():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_a_proxy_that_dies_while_nobody_asks_is_missed(fake, robot):
     fake.spoil = lambda request, answer: SILENT
 
     await asyncio.sleep(15.0)
@@ -337,9 +317,7 @@ async def test_a_proxy_that_dies_while_nobody_asks_is_missed():
     assert not robot.connected
 
 
-async def test_connecting_again_is_not_disturbed_by_a_ping_under_way():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_connecting_again_is_not_disturbed_by_a_ping_under_way(fake, robot):
     fake.spoil = lambda request, answer: SILENT
     await asyncio.sleep(10.5)  # a ping waits for its answer
     fake.spoil = None
@@ -375,8 +353,7 @@ async def test_whoever_has_no_axes_is_no_robot():
     assert not robot.connected
 
 
-async def test_a_variable_that_cannot_be_written_is_named():
-    fake = FakeController()
+async def test_a_variable_that_cannot_be_written_is_named(fake):
     del fake.variables["TP_PERCENT"]
     robot = await connected(fake)
 
@@ -385,10 +362,7 @@ async def test_a_variable_that_cannot_be_written_is_named():
     assert robot.connected
 
 
-async def test_two_motions_at_once_go_one_after_the_other():
-    fake = FakeController()
-    robot = await connected(fake)
-
+async def test_two_motions_at_once_go_one_after_the_other(fake, robot):
     await asyncio.gather(robot.move_joints(TARGET), robot.move_joints((0.0,) * 6))
 
     assert fake.values("TP_NUMBER") == ["5", "6"]
@@ -404,9 +378,7 @@ def test_an_option_that_makes_no_sense_is_refused_by_name(name, value):
         PLUGIN.open({"host": "127.0.0.1", name: value}, None)
 
 
-async def test_more_than_was_asked_closes_the_link():
-    fake = FakeController()
-    robot = await connected(fake)
+async def test_more_than_was_asked_closes_the_link(fake, robot):
     fake.spoil = lambda request, answer: encode_answer(answer) * 2
 
     with pytest.raises(RemoteProtocolError, match="more than was asked"):

@@ -121,6 +121,17 @@ class FakeController:
                 asked = b""
 
 
+@pytest.fixture
+def fake():
+    return FakeController()
+
+
+@pytest.fixture
+async def robot(fake):
+    async with connected(fake) as robot:
+        yield robot
+
+
 def robot_of(fake: FakeController, chunk_bytes: int = 4096) -> UniversalRobot:
     serves = (fake.serve, fake.take_script, fake.serve_dashboard)
     links = (MemoryLink(serve, chunk_bytes=chunk_bytes) for serve in serves)
@@ -152,45 +163,36 @@ async def test_joints_are_read_from_any_split_of_the_stream(chunk_bytes):
     assert (reading.joints_rad, reading.time_s) == (JOINTS, 12.5)
 
 
-async def test_nothing_is_streamed_between_two_questions():
-    fake = FakeController()
-    async with connected(fake) as robot:
-        await robot.read_joints()
-        fake.state["actual_q"] = TARGET
-        await asyncio.sleep(60.0)
+async def test_nothing_is_streamed_between_two_questions(fake, robot):
+    await robot.read_joints()
+    fake.state["actual_q"] = TARGET
+    await asyncio.sleep(60.0)
 
-        assert (await robot.read_joints()).joints_rad == TARGET
+    assert (await robot.read_joints()).joints_rad == TARGET
     assert fake.asked[3:] == [Kind.START, Kind.PAUSE, Kind.START, Kind.PAUSE]
 
 
-async def test_an_identity_comes_from_rtde_and_dashboard():
-    async with connected(FakeController()) as robot:
-        identity = await robot.identify()
+async def test_an_identity_comes_from_rtde_and_dashboard(robot):
+    identity = await robot.identify()
 
     assert (identity.serial, identity.model, identity.firmware) == ("20185000123", "UR10", "5.11.0.108249")
 
 
-async def test_software_that_does_not_tell_its_serial_number_has_none():
-    fake = FakeController()
+async def test_software_that_does_not_tell_its_serial_number_has_none(fake, robot):
     del fake.dashboard["get serial number"]
-    async with connected(fake) as robot:
-        assert (await robot.identify()).serial == "unknown"
+    assert (await robot.identify()).serial == "unknown"
 
 
-async def test_a_dashboard_that_is_none_gives_no_identity():
-    fake = FakeController()
+async def test_a_dashboard_that_is_none_gives_no_identity(fake, robot):
     fake.greeting = "220 smtp"
-    async with connected(fake) as robot:
-        with pytest.raises(RemoteProtocolError, match="no dashboard"):
-            await robot.identify()
+    with pytest.raises(RemoteProtocolError, match="no dashboard"):
+        await robot.identify()
 
 
-async def test_a_motion_writes_its_order_sends_the_program_and_returns_at_rest():
-    fake = FakeController()
-    async with connected(fake) as robot:
-        await robot.set_limits(MotionLimits(50.0, 0.1))
-        await robot.move_joints(TARGET)
-        reading = await robot.read_joints()
+async def test_a_motion_writes_its_order_sends_the_program_and_returns_at_rest(fake, robot):
+    await robot.set_limits(MotionLimits(50.0, 0.1))
+    await robot.move_joints(TARGET)
+    reading = await robot.read_joints()
 
     assert fake.scripts == PROGRAM
     assert reading.joints_rad == TARGET
@@ -198,117 +200,97 @@ async def test_a_motion_writes_its_order_sends_the_program_and_returns_at_rest()
     assert order_in(fake.state).turning_speed_rad_s == 0.1
 
 
-async def test_each_motion_has_a_number_of_its_own():
-    fake = FakeController()
+async def test_each_motion_has_a_number_of_its_own(fake, robot):
     numbers = []
-    async with connected(fake) as robot:
-        for _ in range(3):
-            await robot.move_joints(TARGET)
-            numbers.append(order_in(fake.state).number)
+    for _ in range(3):
+        await robot.move_joints(TARGET)
+        numbers.append(order_in(fake.state).number)
 
     assert len(set(numbers)) == 3
     assert 0 not in numbers
 
 
-async def test_beats_go_on_while_the_arm_moves_and_no_longer():
-    fake = FakeController()
+async def test_beats_go_on_while_the_arm_moves_and_no_longer(fake, robot):
     fake.on_script = fake.move_for_ever
-    async with connected(fake) as robot:
-        moving = asyncio.create_task(robot.move_joints(TARGET))
-        await asyncio.sleep(1.0)
-        assert 8 <= len(set(fake.beats)) <= 12
+    moving = asyncio.create_task(robot.move_joints(TARGET))
+    await asyncio.sleep(1.0)
+    assert 8 <= len(set(fake.beats)) <= 12
 
-        moving.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await moving
-        before = len(fake.beats)
-        await asyncio.sleep(1.0)
+    moving.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await moving
+    before = len(fake.beats)
+    await asyncio.sleep(1.0)
 
-        assert len(fake.beats) == before
-        assert not robot.connected
+    assert len(fake.beats) == before
+    assert not robot.connected
 
 
-async def test_an_order_that_the_registers_do_not_keep_moves_nothing():
-    fake = FakeController()
+async def test_an_order_that_the_registers_do_not_keep_moves_nothing(fake, robot):
     fake.keeps_nothing = True
-    async with connected(fake) as robot:
-        with pytest.raises(RemoteProtocolError, match="registers 24 to 31"):
-            await robot.move_joints(TARGET)
-        assert not robot.connected
+    with pytest.raises(RemoteProtocolError, match="registers 24 to 31"):
+        await robot.move_joints(TARGET)
+    assert not robot.connected
     assert fake.scripts == ""
 
 
 @pytest.mark.parametrize("field", [{"safety_mode": (3,)}, {"robot_mode": (3,)}, {"runtime_state": (2,)}])
-async def test_an_arm_that_may_not_move_is_sent_nothing_and_can_still_be_read(field):
-    fake = FakeController()
-    async with connected(fake) as robot:
-        fake.state |= field
-        with pytest.raises(NotInitialisedError):
-            await robot.move_joints(TARGET)
+async def test_an_arm_that_may_not_move_is_sent_nothing_and_can_still_be_read(fake, robot, field):
+    fake.state |= field
+    with pytest.raises(NotInitialisedError):
+        await robot.move_joints(TARGET)
 
-        assert (await robot.read_joints()).joints_rad == JOINTS
+    assert (await robot.read_joints()).joints_rad == JOINTS
     assert fake.scripts == ""
 
 
-async def test_an_emergency_stop_on_the_way_ends_the_motion():
-    fake = FakeController()
+async def test_an_emergency_stop_on_the_way_ends_the_motion(fake, robot):
     fake.on_script = lambda: fake.state.update({"safety_mode": (7,), "runtime_state": (2,)})
-    async with connected(fake) as robot:
-        with pytest.raises(NotInitialisedError, match="its emergency stop is pressed"):
-            await robot.move_joints(TARGET)
+    with pytest.raises(NotInitialisedError, match="its emergency stop is pressed"):
+        await robot.move_joints(TARGET)
 
 
-async def test_texts_of_the_controller_stand_in_the_refusal():
-    fake = FakeController()
-
+async def test_texts_of_the_controller_stand_in_the_refusal(fake, robot):
     def refuse():
         fake.state["output_int_register_26"] = fake.state["input_int_register_24"]
 
     fake.on_script = refuse
     fake.replies[Kind.START] += encode(text_message("joint limit", "RTMachine", 0))
-    async with connected(fake) as robot:
-        with pytest.raises(TargetRefusedError, match="joint limit"):
-            await robot.move_joints(TARGET)
-        assert robot.connected
+    with pytest.raises(TargetRefusedError, match="joint limit"):
+        await robot.move_joints(TARGET)
+    assert robot.connected
 
 
-async def test_a_clock_that_stands_still_is_a_lost_link():
-    fake = FakeController()
-    async with connected(fake) as robot:
+async def test_a_clock_that_stands_still_is_a_lost_link(fake, robot):
+    await robot.read_joints()
+    fake.clock_stands = True
+
+    with pytest.raises(NoReplyError, match="clock stands still"):
         await robot.read_joints()
-        fake.clock_stands = True
-
-        with pytest.raises(NoReplyError, match="clock stands still"):
-            await robot.read_joints()
-        assert not robot.connected
+    assert not robot.connected
 
 
-async def test_states_from_before_are_not_taken_again():
-    fake = FakeController()
-    async with connected(fake) as robot:
+async def test_states_from_before_are_not_taken_again(fake, robot):
+    await robot.read_joints()
+    fake.state["timestamp"] = (-5.0,)
+
+    with pytest.raises(NoReplyError):
         await robot.read_joints()
-        fake.state["timestamp"] = (-5.0,)
-
-        with pytest.raises(NoReplyError):
-            await robot.read_joints()
 
 
 @pytest.mark.parametrize("kind", [Kind.START, Kind.CONTROLLER])
-async def test_silence_closes_the_link_and_connecting_again_helps(kind):
-    fake = FakeController()
-    async with connected(fake) as robot:
-        whole, fake.replies[kind] = fake.replies[kind], SILENT
-        with pytest.raises(NoReplyError, match="says nothing"):
-            await (robot.read_joints() if kind is Kind.START else robot.identify())
-        assert not robot.connected
+async def test_silence_closes_the_link_and_connecting_again_helps(fake, robot, kind):
+    whole, fake.replies[kind] = fake.replies[kind], SILENT
+    with pytest.raises(NoReplyError, match="says nothing"):
+        await (robot.read_joints() if kind is Kind.START else robot.identify())
+    assert not robot.connected
 
-        fake.replies[kind] = whole
-        await robot.connect()
-        assert (await robot.read_joints()).joints_rad == JOINTS
+    fake.replies[kind] = whole
+    await robot.connect()
+    assert (await robot.read_joints()).joints_rad == JOINTS
 
 
-async def test_a_second_owner_is_refused_before_anything_moves():
-    fake = FakeController()
+async def test_a_second_owner_is_refused_before_anything_moves(fake):
     types = ["IN_USE", *list(INPUTS.values())[1:]]
     fake.replies[Kind.INPUTS] = encode(recipe_reply(Kind.INPUTS, 0, types))
     robot = robot_of(fake)
@@ -318,8 +300,7 @@ async def test_a_second_owner_is_refused_before_anything_moves():
     assert not robot.connected
 
 
-async def test_old_software_is_told_which_one_is_needed():
-    fake = FakeController()
+async def test_old_software_is_told_which_one_is_needed(fake):
     types = [*list(OUTPUTS.values())[:-1], "NOT_FOUND"]
     fake.replies[Kind.OUTPUTS] = encode(recipe_reply(Kind.OUTPUTS, 0, types))
     robot = robot_of(fake)
