@@ -144,34 +144,22 @@ async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone(fa
     assert [request.split()[0] for request in fake.requests] == [*LIMITS, "2", "2"]
 
 
-async def test_a_refused_target_is_named_in_degrees():
-    robot = await connected_robot(FakeController(code_2="2 0 "))
+@pytest.mark.parametrize(
+    ("reply", "error", "complaint", "keeps_link"),
+    [
+        ("2 0 ", TargetRefusedError, r"5\.730, -11\.459", True),
+        ("", NoReplyError, "pendant", False),
+        (HANG_UP, ConnectionLostError, "pendant", False),
+    ],
+)
+async def test_a_motion_that_is_not_made_is_told(reply, error, complaint, keeps_link):
+    robot = await connected_robot(FakeController(code_2=reply))
     await robot.set_limits(FAST)
 
-    with pytest.raises(TargetRefusedError, match=r"5\.730, -11\.459"):
+    with pytest.raises(error, match=complaint):
         await robot.move_joints(TARGET)
 
-    assert robot.connected
-
-
-async def test_silence_sends_the_operator_to_the_pendant_and_closes_the_link():
-    robot = await connected_robot(FakeController(code_2=""))
-    await robot.set_limits(FAST)
-
-    with pytest.raises(NoReplyError, match="pendant"):
-        await robot.move_joints(TARGET)
-
-    assert not robot.connected
-
-
-async def test_a_dropped_connection_sends_the_operator_to_the_pendant():
-    robot = await connected_robot(FakeController(code_2=HANG_UP))
-    await robot.set_limits(FAST)
-
-    with pytest.raises(ConnectionLostError, match="pendant"):
-        await robot.move_joints(TARGET)
-
-    assert not robot.connected
+    assert robot.connected == keeps_link
 
 
 async def test_it_moves_again_after_connecting_again():

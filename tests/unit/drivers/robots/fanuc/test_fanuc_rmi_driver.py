@@ -18,14 +18,12 @@ from tests.unit.drivers.robots.fanuc.rmi_controller import (
 )
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
-    ConfigurationError,
     DeviceRefusedError,
     NoReplyError,
     NotInitialisedError,
     TargetRefusedError,
 )
 from truepose_drivers.fanuc_rmi import protocol
-from truepose_drivers.fanuc_rmi.driver import PLUGIN
 from truepose_drivers.fanuc_rmi.protocol import (
     Session,
     encode,
@@ -262,12 +260,3 @@ async def test_the_interface_tells_its_version_only():
 
     assert (identity.manufacturer, identity.model, identity.serial) == ("FANUC", "unknown", "unknown")
     assert identity.firmware == "RMI 9.0"
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("joint_3_from", "the floor"), ("signs", "1 1 -1"), ("joint_speeds_deg_s", 350), ("port", 0)],
-)
-def test_an_option_that_makes_no_sense_is_refused_by_name(name, value):
-    with pytest.raises(ConfigurationError, match=name):
-        PLUGIN.open({"host": "127.0.0.1", name: value}, None)

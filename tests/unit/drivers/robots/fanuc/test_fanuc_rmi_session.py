@@ -37,19 +37,17 @@ async def test_whoever_closes_says_so(fake, robot):
     assert fake.told.count("FRC_Disconnect") == 1
 
 
-async def test_an_end_that_is_reported_elsewhere_is_none():
-    robot = await connected(FakeController(FRC_JointMotionJRep=lambda packet: encode(reply(packet))))
-
-    with pytest.raises(RemoteProtocolError, match=r"30\.000 deg off"):
-        await robot.move_joints(TARGET)
-    assert not robot.connected
+OTHER_END = b'{"Instruction": "FRC_JointMotionJRep", "ErrorID": 0, "SequenceID": 77}\r\n'
 
 
-async def test_the_end_of_another_motion_is_none():
-    other = b'{"Instruction": "FRC_JointMotionJRep", "ErrorID": 0, "SequenceID": 77}\r\n'
-    robot = await connected(FakeController(FRC_JointMotionJRep=other))
+@pytest.mark.parametrize(
+    ("says", "complaint"),
+    [(lambda packet: encode(reply(packet)), r"30\.000 deg off"), (OTHER_END, "not asked")],
+)
+async def test_an_end_that_is_reported_elsewhere_or_of_another_motion_is_none(says, complaint):
+    robot = await connected(FakeController(FRC_JointMotionJRep=says))
 
-    with pytest.raises(RemoteProtocolError, match="not asked"):
+    with pytest.raises(RemoteProtocolError, match=complaint):
         await robot.move_joints(TARGET)
     assert not robot.connected
 

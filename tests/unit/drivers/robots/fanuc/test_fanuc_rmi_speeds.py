@@ -5,7 +5,6 @@ import math
 import pytest
 
 from tests.unit.drivers.robots.fanuc.rmi_controller import (
-    TARGET,
     FakeController,
     begun,
     connected,
@@ -87,11 +86,27 @@ async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits
     assert fake.overrides == [57, 57, 100]  # 2.0 of 3.5 deg/s, once more, and what somebody had set
 
 
-async def test_an_override_that_makes_a_motion_endless_is_refused(fake, robot):
-    fake.status = replace_status(fake.status, override_percent=1)
-    await robot.set_limits(MotionLimits(1e5, math.radians(4.0)))
+@pytest.mark.parametrize(
+    ("fake", "override_percent", "limits", "complaint"),
+    [
+        (FakeController(), 1, MotionLimits(1e5, math.radians(4.0)), "raise the speed override"),  # endless
+        (
+            FakeController(FRC_SetOverRide=lambda packet: encode(reply(packet))),
+            100,
+            MotionLimits(1e5, math.radians(2.0)),
+            "override of 57 %",  # is not kept
+        ),
+        (FakeController(), 100, MotionLimits(0.01, math.radians(3.0)), "no speed as low"),
+    ],
+)
+async def test_a_motion_that_no_speed_or_override_makes_right_is_refused(
+    fake, override_percent, limits, complaint
+):
+    fake.status = replace_status(fake.status, override_percent=override_percent)
+    robot = await connected(fake)
+    await robot.set_limits(limits)
 
-    with pytest.raises(DeviceRefusedError, match="override"):
+    with pytest.raises(DeviceRefusedError, match=complaint):
         await robot.move_joints((math.pi, 0.0, 0.0, 0.0, 0.0, 0.0))
     assert fake.motions == []
 
@@ -116,21 +131,3 @@ async def test_an_override_that_the_driver_lowered_comes_back_after_a_refusal():
         await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     assert fake.overrides == [57, 100]
-
-
-async def test_an_override_that_is_not_kept_moves_nothing():
-    fake = FakeController(FRC_SetOverRide=lambda packet: encode(reply(packet)))
-    robot = await connected(fake)
-    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
-
-    with pytest.raises(DeviceRefusedError, match="override of 57 %"):
-        await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
-    assert fake.motions == []
-
-
-async def test_a_limit_that_no_speed_keeps_is_refused(fake, robot):
-    await robot.set_limits(MotionLimits(0.01, math.radians(3.0)))
-
-    with pytest.raises(DeviceRefusedError, match="no speed as low"):
-        await robot.move_joints(TARGET)
-    assert fake.motions == []

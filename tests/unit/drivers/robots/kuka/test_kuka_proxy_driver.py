@@ -10,7 +10,6 @@ from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
-    ConfigurationError,
     ConnectFailedError,
     ConnectionLostError,
     DeviceRefusedError,
@@ -19,7 +18,7 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
     TargetRefusedError,
 )
-from truepose_drivers.kuka_variable_proxy.driver import PLUGIN, KukaRobot
+from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.kuka_variable_proxy.protocol import (
     Answer,
     Mode,
@@ -209,20 +208,43 @@ async def test_an_abandoned_motion_is_heard_of_no_more(fake, robot):
     await robot.close()
 
 
-async def test_a_motion_that_has_not_ended_is_not_overtaken():
-    fake = FakeController(TP_STATE=encode_state(ProgramState(5, 4, 0, 0)))
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"$PRO_STATE1": "#P_STOP"}, "no program runs.*TRUEPOSE.*confirm"),
+        ({"$PRO_STATE1": "#P_FREE"}, "no program runs.*TRUEPOSE.*confirm"),
+        ({"$PERI_RDY": "FALSE"}, "drives.*TRUEPOSE.*confirm"),
+        ({"TP_STATE": ""}, "not on the controller.*TRUEPOSE.*confirm"),
+        ({"TP_STATE": encode_state(ProgramState(5, 4, 0, 0))}, "still moves"),
+    ],
+)
+async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why(changes, words):
+    fake = FakeController(**changes)
     robot = await connected(fake)
 
-    with pytest.raises(NotInitialisedError, match="still moves"):
+    with pytest.raises(NotInitialisedError, match=words):
         await robot.move_joints(TARGET)
     assert fake.written == []
+    assert (await robot.read_joints()).joints_rad
 
 
-async def test_an_arm_that_stopped_because_nobody_was_heard_is_a_lost_link(fake, robot):
-    fake.on_order = lambda number: fake.say(begun=number, given_up=number)
+@pytest.mark.parametrize(
+    ("said", "error", "complaint", "keeps_link"),
+    [
+        (["begun", "given_up"], ConnectionLostError, r"0\.8 s", True),
+        ([], NotInitialisedError, "did not begin", True),  # another program runs
+        (["begun"], NoReplyError, "not arrived in time", False),
+        (["begun", "arrived"], RemoteProtocolError, r"70\.000 deg off", False),
+    ],
+)
+async def test_a_motion_that_does_not_end_at_its_target_is_told(
+    fake, robot, said, error, complaint, keeps_link
+):
+    fake.on_order = lambda number: fake.say(**dict.fromkeys(said, number))
 
-    with pytest.raises(ConnectionLostError, match=r"0\.8 s"):
+    with pytest.raises(error, match=complaint):
         await robot.move_joints(TARGET)
+    assert robot.connected == keeps_link
 
 
 async def test_a_refused_target_is_named_as_the_pendant_shows_it(fake, robot):
@@ -236,32 +258,6 @@ async def test_a_refused_target_is_named_as_the_pendant_shows_it(fake, robot):
     assert fake.values("TP_NUMBER") == ["5", "6"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"$PRO_STATE1": "#P_STOP"}, "no program runs"),
-        ({"$PRO_STATE1": "#P_FREE"}, "no program runs"),
-        ({"$PERI_RDY": "FALSE"}, "drives"),
-        ({"TP_STATE": ""}, "not on the controller"),
-    ],
-)
-async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why(changes, words):
-    fake = FakeController(**changes)
-    robot = await connected(fake)
-
-    with pytest.raises(NotInitialisedError, match=rf"{words}.*TRUEPOSE.*confirm"):
-        await robot.move_joints(TARGET)
-    assert fake.written == []
-    assert (await robot.read_joints()).joints_rad
-
-
-async def test_another_program_that_runs_is_not_taken_for_ours(fake, robot):
-    fake.on_order = lambda number: None
-
-    with pytest.raises(NotInitialisedError, match="did not begin"):
-        await robot.move_joints(TARGET)
-
-
 async def test_a_program_that_is_stopped_on_the_way_is_told(fake, robot):
     fake.on_order = lambda number: fake.say(begun=number)
     moving = asyncio.create_task(robot.move_joints(TARGET))
@@ -271,22 +267,6 @@ async def test_a_program_that_is_stopped_on_the_way_is_told(fake, robot):
 
     with pytest.raises(NotInitialisedError, match=r"stopped on its way \(#P_STOP\)"):
         await moving
-
-
-async def test_a_motion_that_never_ends_is_given_up(fake, robot):
-    fake.on_order = lambda number: fake.say(begun=number)
-
-    with pytest.raises(NoReplyError, match="not arrived in time"):
-        await robot.move_joints(TARGET)
-    assert not robot.connected
-
-
-async def test_an_end_that_is_reported_elsewhere_is_none(fake, robot):
-    fake.on_order = lambda number: fake.say(begun=number, arrived=number)
-
-    with pytest.raises(RemoteProtocolError, match=r"70\.000 deg off"):
-        await robot.move_joints(TARGET)
-    assert not robot.connected
 
 
 async def test_variables_that_do_not_keep_what_is_written_move_nothing(fake, robot):
@@ -367,15 +347,6 @@ async def test_two_motions_at_once_go_one_after_the_other(fake, robot):
 
     assert fake.values("TP_NUMBER") == ["5", "6"]
     assert decode_axes(fake.variables["$AXIS_ACT"])[:6] == (0.0,) * 6
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("signs", "1 1 -1"), ("signs", "1 1 1 1 1 2"), ("joint_speeds_deg_s", 350), ("port", 0)],
-)
-def test_an_option_that_makes_no_sense_is_refused_by_name(name, value):
-    with pytest.raises(ConfigurationError, match=name):
-        PLUGIN.open({"host": "127.0.0.1", name: value}, None)
 
 
 async def test_more_than_was_asked_closes_the_link(fake, robot):
