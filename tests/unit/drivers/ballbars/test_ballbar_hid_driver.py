@@ -73,10 +73,17 @@ async def connected(port: FakePort) -> HidBallbar:
     return driver
 
 
-async def test_connecting_starts_the_stream_and_closing_stops_it():
-    port = FakePort()
-    driver = await connected(port)
+@pytest.fixture
+def port():
+    return FakePort()
 
+
+@pytest.fixture
+async def driver(port):
+    return await connected(port)
+
+
+async def test_connecting_starts_the_stream_and_closing_stops_it(port, driver):
     await driver.close()
 
     assert [rate.running for rate in port.rates] == [True, False]
@@ -96,8 +103,7 @@ def numbered(sequence: int, deviation_mm: float = 0.1234) -> bytes:
 
 
 @pytest.mark.parametrize("second", [17, 16, 2**31 + 17], ids=["frozen", "back", "far back"])
-async def test_a_device_that_repeats_itself_has_no_length(second):
-    port = FakePort()
+async def test_a_device_that_repeats_itself_has_no_length(port, second):
     port.reports = [numbered(16), numbered(17), numbered(second)]
     driver = await connected(port)
     await driver.read()
@@ -107,8 +113,7 @@ async def test_a_device_that_repeats_itself_has_no_length(second):
     assert not driver.connected
 
 
-async def test_a_device_that_hangs_gives_no_length_after_connecting_again_either():
-    port = FakePort()
+async def test_a_device_that_hangs_gives_no_length_after_connecting_again_either(port):
     port.reports = [numbered(17)] * 4
     driver = await connected(port)
 
@@ -119,8 +124,7 @@ async def test_a_device_that_hangs_gives_no_length_after_connecting_again_either
             await driver.connect()
 
 
-async def test_numbers_begin_again_after_the_largest():
-    port = FakePort()
+async def test_numbers_begin_again_after_the_largest(port):
     port.reports = [numbered(2**32 - 1), numbered(0), numbered(1)]
     driver = await connected(port)
 
@@ -146,8 +150,7 @@ async def test_bits_that_mean_nothing_are_told(place):
         await driver.read()
 
 
-async def test_a_bar_without_a_length_is_none():
-    port = FakePort()
+async def test_a_bar_without_a_length_is_none(port):
     port.bar = encode_bar(BarIdentity(0.0, "BAR-7"))
 
     with pytest.raises(RemoteProtocolError, match="nominal length"):
@@ -155,8 +158,7 @@ async def test_a_bar_without_a_length_is_none():
     assert not port.is_open
 
 
-async def test_a_device_may_begin_to_send_after_connecting_and_a_silent_one_is_told():
-    port = FakePort()
+async def test_a_device_may_begin_to_send_after_connecting_and_a_silent_one_is_told(port):
     port.reports = [None]
     driver = await connected(port)
 
@@ -188,8 +190,7 @@ async def test_out_of_range_keeps_what_the_stop_shows():
     assert (reading.signal, reading.deviation_mm) == ("out_of_range", -1.05)
 
 
-async def test_a_device_without_our_features_is_refused_when_connecting():
-    port = FakePort()
+async def test_a_device_without_our_features_is_refused_when_connecting(port):
     port.refuses = True
 
     with pytest.raises(ConnectFailedError, match="check that it is a ballbar"):
@@ -197,10 +198,7 @@ async def test_a_device_without_our_features_is_refused_when_connecting():
     assert not port.is_open
 
 
-async def test_the_bars_own_serial_number_goes_before_that_of_its_plug():
-    port = FakePort()
-    driver = await connected(port)
-
+async def test_the_bars_own_serial_number_goes_before_that_of_its_plug(port, driver):
     assert (await driver.identify()).serial == "BAR-7"
     port.bar = encode_bar(BarIdentity(100.0, ""))
     assert (await driver.identify()).serial == "USB-SERIAL"

@@ -73,6 +73,18 @@ class FakeCounter:
         return driver
 
 
+@pytest.fixture
+def counter():
+    return FakeCounter()
+
+
+@pytest.fixture
+async def driver(counter):
+    driver = await counter.connected()
+    yield driver
+    await driver.close()
+
+
 @pytest.mark.parametrize("chunk_bytes", [1, 5, 65_536])
 async def test_a_value_is_read_whatever_the_line_does_to_it(chunk_bytes):
     driver = await FakeCounter().connected(chunk_bytes)
@@ -140,15 +152,12 @@ async def test_a_counter_without_status_indicators_is_said_to_be_another():
         await FakeCounter(A0800=[Refusal()]).connected()
 
 
-async def test_what_the_person_prints_at_the_counter_is_ignored():
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_what_the_person_prints_at_the_counter_is_ignored(counter, driver):
     counter.said_by_itself = b"+    9.9999  =\r\n"
 
     readings = [await driver.read() for _ in range(3)]
 
     assert [reading.deviation_mm for reading in readings] == [0.1234] * 3
-    await driver.close()
 
 
 @pytest.mark.parametrize(
@@ -166,9 +175,7 @@ async def test_what_the_person_prints_at_the_counter_is_ignored():
     ],
     ids=repr,
 )
-async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(value):
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(counter, driver, value):
     counter.answers["A0200"] = [value]
 
     with pytest.raises(RemoteProtocolError):
@@ -176,9 +183,7 @@ async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(value):
     assert not driver.connected
 
 
-async def test_answers_to_an_earlier_question_before_those_to_this_one_are_no_reading():
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_answers_to_an_earlier_question_before_those_to_this_one_are_no_reading(counter, driver):
     earlier = [Refusal(), value_line(9999), lamps_line(Lamps(inside=True))]
     counter.answers["A0301"] = [b"".join(map(encode_reply, [*earlier, Refusal(), value_line(1234)]))]
     counter.answers |= {"A0200": None}
@@ -198,20 +203,15 @@ async def test_replies_that_were_late_are_passed_over_when_connecting():
     await driver.close()
 
 
-async def test_a_unit_that_was_changed_between_value_and_indicators_is_asked_for_again():
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_a_unit_that_was_changed_between_value_and_indicators_is_asked_for_again(counter, driver):
     counter.answers["A0800"] = [lamps_line(Lamps(inch=True))]
     shown = [value_line(1234), value_line(486)]  # the key was pressed after the first one
     counter.answers["A0200"] = lambda: [shown.pop(0)]
 
     assert (await driver.read()).deviation_mm == pytest.approx(0.00486 * 25.4)
-    await driver.close()
 
 
-async def test_a_unit_that_goes_on_changing_is_no_reading():
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_a_unit_that_goes_on_changing_is_no_reading(counter, driver):
     inches = [True, False]
     counter.answers["A0800"] = lambda: [lamps_line(Lamps(inch=inches.pop(0)))]
 
@@ -220,9 +220,7 @@ async def test_a_unit_that_goes_on_changing_is_no_reading():
     assert not driver.connected
 
 
-async def test_a_counter_that_prints_and_answers_nothing_says_nothing():
-    counter = FakeCounter()
-    driver = await counter.connected()
+async def test_a_counter_that_prints_and_answers_nothing_says_nothing(counter, driver):
     counter.answers |= {"A0301": None, "A0200": None, "A0800": None}
     counter.prints_all_the_time = True
 

@@ -125,10 +125,17 @@ async def connected(cable: FakeCable, **options) -> UsbItnGauge:
     return driver
 
 
-async def test_the_cable_is_taken_out_of_keyboard_mode_as_public_clients_do():
-    cable = FakeCable()
-    driver = await connected(cable)
+@pytest.fixture
+def cable():
+    return FakeCable()
 
+
+@pytest.fixture
+async def driver(cable):
+    return await connected(cable)
+
+
+async def test_the_cable_is_taken_out_of_keyboard_mode_as_public_clients_do(cable, driver):
     await driver.read()
 
     assert cable.said[:2] == [(0x40, 1, 0xA5A5, b""), (0xC0, 2, 0, 1)]
@@ -184,9 +191,7 @@ async def test_a_cable_that_does_not_say_who_it_is_is_told_when_connecting():
         await connected(FakeCable(V=[b"911\r"]))
 
 
-async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_half():
-    cable = FakeCable()
-    driver = await connected(cable)
+async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_half(cable, driver):
     await driver.read()
     answers = [[b"01A+0000", b".1234\r01A+", b"0000", b".9999\r"], [b"01A+0000.4321\r"]]  # the button's line
     cable.answers[b"1\r"] = lambda: answers.pop(0)
@@ -194,9 +199,7 @@ async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_h
     assert (await driver.read()).deviation_mm == 0.4321
 
 
-async def test_a_cable_that_always_sends_more_than_it_is_asked_for_is_told():
-    cable = FakeCable()
-    driver = await connected(cable)
+async def test_a_cable_that_always_sends_more_than_it_is_asked_for_is_told(cable, driver):
     cable.answers[b"1\r"] = [b"01A+0000.1234\r", b"01A+0000.1234\r"]
 
     with pytest.raises(RemoteProtocolError, match="leave the gauge's keys alone"):
@@ -212,9 +215,7 @@ async def test_a_cable_that_always_sends_more_than_it_is_asked_for_is_told():
         b"01A+000.1234\r",  # one lost
     ],
 )
-async def test_a_value_of_another_form_is_no_length_however_often_it_comes(line):
-    cable = FakeCable()
-    driver = await connected(cable)
+async def test_a_value_of_another_form_is_no_length_however_often_it_comes(cable, driver, line):
     await driver.read()
     cable.answers[b"1\r"] = [line]
 
@@ -225,9 +226,7 @@ async def test_a_value_of_another_form_is_no_length_however_often_it_comes(line)
         await driver.connect()
 
 
-async def test_the_form_of_values_is_learnt_from_two_that_agree():
-    cable = FakeCable()
-    driver = await connected(cable)
+async def test_the_form_of_values_is_learnt_from_two_that_agree(cable, driver):
     lines = [b"01A+00000.123\r", b"01A+0000.1234\r", b"01A+0000.1235\r"]
     cable.answers[b"1\r"] = lambda: [lines.pop(0)]
 
@@ -260,8 +259,7 @@ def test_a_number_of_digits_that_is_none_is_refused(decimals):
         PLUGIN.open({"decimals": decimals}, None)
 
 
-async def test_a_keyboard_that_is_no_cable_is_told_when_connecting():
-    cable = FakeCable()
+async def test_a_keyboard_that_is_no_cable_is_told_when_connecting(cable):
     cable.refuses = True
 
     with pytest.raises(ConnectFailedError, match="check that it is a USB-ITN"):

@@ -54,6 +54,16 @@ def clock_on(serve, chunk_bytes: int = 4096, answer_timeout_s: float = 5.0) -> C
     return CellClock(lambda: MemoryLink(serve, chunk_bytes=chunk_bytes), answer_timeout_s=answer_timeout_s)
 
 
+@pytest.fixture
+def cell():
+    return FakeCell()
+
+
+@pytest.fixture
+def clock(cell):
+    return clock_on(cell.serve)
+
+
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 4096])
 async def test_sleeping_advances_the_time_of_the_cell(chunk_bytes):
     clock: Clock = clock_on(FakeCell().serve, chunk_bytes)
@@ -63,10 +73,7 @@ async def test_sleeping_advances_the_time_of_the_cell(chunk_bytes):
     assert await clock.now_s() == 104.0
 
 
-async def test_one_connection_serves_all_questions_of_one_task():
-    cell = FakeCell()
-    clock = clock_on(cell.serve)
-
+async def test_one_connection_serves_all_questions_of_one_task(cell, clock):
     for _ in range(5):
         await clock.now_s()
 
@@ -85,9 +92,7 @@ async def test_a_sleeping_task_does_not_hold_up_one_that_asks_the_time():
     await asyncio.gather(sleeping, return_exceptions=True)
 
 
-async def test_an_abandoned_sleep_does_not_answer_the_next_question():
-    cell = FakeCell()
-    clock = clock_on(cell.serve)
+async def test_an_abandoned_sleep_does_not_answer_the_next_question(cell, clock):
     sleeping = asyncio.create_task(clock.sleep(50.0))
     await asyncio.sleep(0)
     sleeping.cancel()
@@ -98,9 +103,7 @@ async def test_an_abandoned_sleep_does_not_answer_the_next_question():
     assert await clock.now_s() == cell.time_s
 
 
-async def test_an_answer_too_many_is_not_the_answer_to_the_next_question():
-    cell = FakeCell()
-
+async def test_an_answer_too_many_is_not_the_answer_to_the_next_question(cell):
     async def answer_twice(line: bytes) -> bytes:
         cell.time_s += 1.0
         return encode(Time(cell.time_s))
@@ -155,9 +158,7 @@ async def test_garbage_is_a_protocol_error(reply):
         await clock.now_s()
 
 
-async def test_closing_leaves_nothing_open_and_the_clock_usable():
-    cell = FakeCell()
-    clock = clock_on(cell.serve)
+async def test_closing_leaves_nothing_open_and_the_clock_usable(cell, clock):
     await clock.now_s()
 
     await clock.close()

@@ -127,6 +127,16 @@ async def ready(bridge: FakeBridge, **options) -> BridgedTracker:
     return tracker
 
 
+@pytest.fixture
+def bridge():
+    return FakeBridge(measure_point=POINT)
+
+
+@pytest.fixture
+async def tracker(bridge):
+    return await ready(bridge)
+
+
 @pytest.mark.parametrize(("line", "message"), GOLDEN)
 def test_lines_written_by_hand_are_met_byte_for_byte(line, message):
     if isinstance(message, Question):
@@ -180,9 +190,7 @@ async def test_a_point_is_what_the_bridge_said(chunk_bytes):
     assert (reading.duration_s, reading.time_s) == (2.0, 12.5)
 
 
-async def test_what_a_bridge_does_not_say_of_a_point_is_not_made_up():
-    tracker = await ready(FakeBridge(measure_point=POINT))
-
+async def test_what_a_bridge_does_not_say_of_a_point_is_not_made_up(tracker):
     reading = await tracker.measure_point(duration_s=2.0)
 
     assert reading.rms_mm == pytest.approx(0.005)  # of the deviations
@@ -301,9 +309,7 @@ async def test_a_bridge_that_is_at_work_for_ever_is_given_up():
 
 
 @pytest.mark.parametrize("ask", ["initialise", "find_reflector", "measure_point", "environment"])
-async def test_silence_is_told_within_two_seconds(ask):
-    bridge = FakeBridge()
-    tracker = await ready(bridge)
+async def test_silence_is_told_within_two_seconds(bridge, tracker, ask):
     bridge.says[ask] = []
     uses = {
         "initialise": tracker.initialise,
@@ -359,9 +365,7 @@ async def test_a_point_that_no_tracker_reaches_is_no_reading():
         await tracker.measure_point(duration_s=1.0)
 
 
-async def test_a_measurement_that_comes_again_is_frozen_also_after_connecting_again():
-    bridge = FakeBridge(measure_point=POINT)
-    tracker = await ready(bridge)
+async def test_a_measurement_that_comes_again_is_frozen_also_after_connecting_again(bridge, tracker):
     await tracker.measure_point(duration_s=1.0)
     bridge.says |= {"measure_point": POINT | {"sequence": 3}, "initialise": READY | {"sequence": 3}}
     with pytest.raises(RemoteProtocolError, match="repeats itself"):
@@ -374,9 +378,7 @@ async def test_a_measurement_that_comes_again_is_frozen_also_after_connecting_ag
         await tracker.measure_point(duration_s=1.0)
 
 
-async def test_another_instrument_is_measured_with_after_initialising_only():
-    bridge = FakeBridge(measure_point=POINT)
-    tracker = await ready(bridge)
+async def test_another_instrument_is_measured_with_after_initialising_only(bridge, tracker):
     bridge.says["measure_point"] = POINT | {"serial": "777"}
 
     for _ in range(2):

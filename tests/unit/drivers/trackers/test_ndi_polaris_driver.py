@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
+from truepose_drivers.contract.wire import LoopClock
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
     ConfigurationError,
@@ -40,16 +41,6 @@ RATE_HZ = 60.0
 VERSION = "Polaris Vega Control Firmware\nNDI S/N: P9-00123\nFreeze Tag: Polaris Vega Rev 002.001\n"
 POSE = ToolPose((0.5, -0.5, 0.5, 0.5), (100.0, -200.0, -2000.0), 0.25)  # all of it exact in single floats
 GOOD = PortStatus(0x31)
-
-
-class LoopClock:
-    """The time of the loop, which jumps from timer to timer."""
-
-    async def now_s(self) -> float:
-        return asyncio.get_running_loop().time()
-
-    async def sleep(self, duration_s: float) -> None:
-        await asyncio.sleep(duration_s)
 
 
 @dataclass
@@ -118,6 +109,18 @@ class FakeCamera:
         return driver
 
 
+@pytest.fixture
+def camera():
+    return FakeCamera()
+
+
+@pytest.fixture
+async def driver(camera):
+    driver = await camera.ready()
+    yield driver
+    await driver.close()
+
+
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 65_536])
 async def test_a_pose_is_the_mean_of_the_frames_of_its_time_however_they_are_cut(chunk_bytes):
     def shaken(frame):
@@ -153,14 +156,11 @@ async def test_the_definition_is_loaded_into_a_free_handle_after_what_others_lef
     await driver.close()
 
 
-async def test_a_camera_says_who_it_is():
-    driver = await FakeCamera().ready()
-
+async def test_a_camera_says_who_it_is(driver):
     who = await driver.identify()
 
     assert (who.manufacturer, who.model, who.serial) == ("Northern Digital", "Polaris Vega VT", "P9-00123")
     assert who.firmware == "002.001 API G.003.006"
-    await driver.close()
 
 
 async def test_an_older_camera_knows_fewer_questions_and_no_binary_frames():
@@ -176,9 +176,7 @@ async def test_an_older_camera_knows_fewer_questions_and_no_binary_frames():
     await driver.close()
 
 
-async def test_a_frame_from_before_the_measurement_does_not_count():
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_a_frame_from_before_the_measurement_does_not_count(camera, driver):
     still_moving, before = replace(POSE, position_mm=(0.0, 0.0, -1500.0)), camera.frame()
     camera.see = lambda frame: ToolFrame(1, POSE if frame > before else still_moving, GOOD, frame)
 
@@ -186,13 +184,10 @@ async def test_a_frame_from_before_the_measurement_does_not_count():
 
     assert reading.position_mm == POSE.position_mm
     assert reading.position_deviation_mm == (0.0, 0.0, 0.0)
-    await driver.close()
 
 
 @pytest.mark.parametrize("back", [0, 5])
-async def test_frames_that_do_not_go_on_are_a_lost_camera(back):
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_frames_that_do_not_go_on_are_a_lost_camera(camera, driver, back):
     await driver.measure_pose(duration_s=0.2)
     camera.stands_at = camera.frame() - back
 
@@ -218,9 +213,7 @@ async def test_frames_that_do_not_go_on_are_a_lost_camera(back):
         (POSE, GOOD | PortStatus.PARTIALLY_OUT_OF_VOLUME, OutOfVolumeError, "stood partly outside"),
     ],
 )
-async def test_an_artefact_that_is_not_measured_is_no_pose(pose, status, error, said):
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_an_artefact_that_is_not_measured_is_no_pose(camera, driver, pose, status, error, said):
     camera.see = lambda frame: ToolFrame(1, pose, status, frame)
 
     with pytest.raises(error, match=said):
@@ -229,13 +222,10 @@ async def test_an_artefact_that_is_not_measured_is_no_pose(pose, status, error, 
     assert driver.connected
     camera.see = lambda frame: ToolFrame(1, POSE, GOOD, frame)
     assert (await driver.measure_pose(duration_s=0.2)).position_mm == POSE.position_mm
-    await driver.close()
 
 
 @pytest.mark.parametrize(("of_hundred", "is_pose"), [(5, True), (50, False)])
-async def test_a_few_lost_frames_spoil_no_measurement(of_hundred, is_pose):
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_a_few_lost_frames_spoil_no_measurement(camera, driver, of_hundred, is_pose):
     camera.see = lambda frame: ToolFrame(1, None if frame % 100 < of_hundred else POSE, GOOD, frame)
 
     if is_pose:
@@ -243,12 +233,9 @@ async def test_a_few_lost_frames_spoil_no_measurement(of_hundred, is_pose):
     else:
         with pytest.raises(ArtefactNotSeenError):
             await driver.measure_pose(duration_s=5.0)
-    await driver.close()
 
 
-async def test_a_camera_that_was_switched_off_and_on_must_be_connected_again():
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_a_camera_that_was_switched_off_and_on_must_be_connected_again(camera, driver):
     camera.says["BX"] = RESET
 
     with pytest.raises(ConnectionLostError, match="started again"):
@@ -261,13 +248,10 @@ async def test_a_camera_that_was_switched_off_and_on_must_be_connected_again():
     await driver.initialise()
 
     assert (await driver.measure_pose(duration_s=0.2)).position_mm == POSE.position_mm
-    await driver.close()
 
 
 @pytest.mark.parametrize("tool", [ToolFrame(2, POSE, GOOD, 10**6), ToolFrame(1, None, disabled=True)])
-async def test_another_artefact_is_not_ours(tool):
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_another_artefact_is_not_ours(camera, driver, tool):
     camera.see = lambda frame: tool
 
     with pytest.raises(NotInitialisedError, match="does not follow the artefact"):
@@ -276,7 +260,6 @@ async def test_another_artefact_is_not_ours(tool):
 
     with pytest.raises(NotInitialisedError, match="not initialised since"):
         await driver.measure_pose(duration_s=0.2)
-    await driver.close()
 
 
 @pytest.mark.parametrize(
@@ -288,16 +271,13 @@ async def test_another_artefact_is_not_ours(tool):
         (0x04, RemoteProtocolError),
     ],
 )
-async def test_a_refusal_is_told_by_its_number(code, error):
-    camera = FakeCamera()
-    driver = await camera.ready()
+async def test_a_refusal_is_told_by_its_number(camera, driver, code, error):
     camera.says["BX"] = error_text(code)
 
     with pytest.raises(error, match=f"refused BX .error {code:02X}."):
         await driver.measure_pose(duration_s=0.2)
 
     assert driver.connected == (code != 0x04)
-    await driver.close()
 
 
 async def test_nothing_is_measured_in_no_time_or_before_initialising():

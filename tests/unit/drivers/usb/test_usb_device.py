@@ -64,8 +64,13 @@ async def served(serve):
     await endpoint.close()
 
 
-@contextlib.asynccontextmanager
-async def opened(gadget: FakeGadget):
+@pytest.fixture
+def gadget() -> FakeGadget:
+    return FakeGadget()
+
+
+@pytest.fixture
+async def device(gadget):
     async with served(UsbipServer(gadget).serve) as port:
         device = UsbDevice(RemoteUsb("127.0.0.1", port, "1-1"))
         await device.open()
@@ -73,76 +78,62 @@ async def opened(gadget: FakeGadget):
         await device.close()
 
 
-async def test_texts_and_requests_go_there_and_back():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        assert await device.texts() == STRINGS
-        await device.control_out(0x40, 3, 0xA5A5, 7, b"1\r")
-        assert await device.control_in(0xC0, 2, 0, 0, 1) == b"\x2a"
+async def test_texts_and_requests_go_there_and_back(gadget, device):
+    assert await device.texts() == STRINGS
+    await device.control_out(0x40, 3, 0xA5A5, 7, b"1\r")
+    assert await device.control_in(0xC0, 2, 0, 0, 1) == b"\x2a"
 
     assert gadget.heard == [(Setup(0x40, 3, 0xA5A5, 7, 2), b"1\r"), (Setup(0xC0, 2, 0, 0, 1), b"")]
 
 
-async def test_packets_arrive_in_order():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        for packet in (b"01A+0000", b".1234\r"):
-            gadget.packets.put_nowait(packet)
+async def test_packets_arrive_in_order(gadget, device):
+    for packet in (b"01A+0000", b".1234\r"):
+        gadget.packets.put_nowait(packet)
 
-        assert [await device.receive(1.0) for _ in range(2)] == [b"01A+0000", b".1234\r"]
+    assert [await device.receive(1.0) for _ in range(2)] == [b"01A+0000", b".1234\r"]
 
 
-async def test_a_wait_in_vain_is_taken_back_and_loses_nothing():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        assert await device.receive(0.05) is None
-        assert await device.receive(0.0) is None
-        gadget.packets.put_nowait(b"late")
+async def test_a_wait_in_vain_is_taken_back_and_loses_nothing(gadget, device):
+    assert await device.receive(0.05) is None
+    assert await device.receive(0.0) is None
+    gadget.packets.put_nowait(b"late")
 
-        assert await device.receive(1.0) == b"late"
+    assert await device.receive(1.0) == b"late"
 
 
-async def test_a_packet_that_comes_while_it_is_waited_for_arrives():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        asyncio.get_running_loop().call_later(0.15, gadget.packets.put_nowait, b"now")
+async def test_a_packet_that_comes_while_it_is_waited_for_arrives(gadget, device):
+    asyncio.get_running_loop().call_later(0.15, gadget.packets.put_nowait, b"now")
 
-        assert await device.receive(2.0) == b"now"
+    assert await device.receive(2.0) == b"now"
 
 
-async def test_a_refused_request_is_a_refusal_and_the_device_stays():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        with pytest.raises(DeviceRefusedError, match="refuses a request"):
-            await device.control_out(0x40, 99)
+async def test_a_refused_request_is_a_refusal_and_the_device_stays(device):
+    with pytest.raises(DeviceRefusedError, match="refuses a request"):
+        await device.control_out(0x40, 99)
 
-        assert device.is_open
-        assert await device.texts() == STRINGS
+    assert device.is_open
+    assert await device.texts() == STRINGS
 
 
-async def test_a_packet_longer_than_asked_for_is_an_error_not_a_piece():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        gadget.packets.put_nowait(b"123456789")
+async def test_a_packet_longer_than_asked_for_is_an_error_not_a_piece(gadget, device):
+    gadget.packets.put_nowait(b"123456789")
 
-        with pytest.raises(ConnectionLostError):
-            await device.receive(1.0)
+    with pytest.raises(ConnectionLostError):
+        await device.receive(1.0)
 
 
-async def test_a_pulled_cable_is_a_lost_connection_until_it_is_back():
-    gadget = FakeGadget()
-    async with opened(gadget) as device:
-        gadget.plugged = False
+async def test_a_pulled_cable_is_a_lost_connection_until_it_is_back(gadget, device):
+    gadget.plugged = False
 
-        with pytest.raises(ConnectionLostError, match="check its cable"):
-            await device.receive(1.0)
-        assert not device.is_open
-        with pytest.raises(ConnectFailedError, match="check its cable"):
-            await device.open()
-        gadget.plugged = True
+    with pytest.raises(ConnectionLostError, match="check its cable"):
+        await device.receive(1.0)
+    assert not device.is_open
+    with pytest.raises(ConnectFailedError, match="check its cable"):
         await device.open()
+    gadget.plugged = True
+    await device.open()
 
-        assert await device.texts() == STRINGS
+    assert await device.texts() == STRINGS
 
 
 async def test_a_cable_that_is_pulled_before_the_texts_are_asked_for_is_a_lost_connection():
@@ -156,12 +147,11 @@ async def test_a_cable_that_is_pulled_before_the_texts_are_asked_for_is_a_lost_c
     assert not device.is_open
 
 
-async def test_a_device_without_texts_has_empty_ones():
-    gadget = FakeGadget()
+async def test_a_device_without_texts_has_empty_ones(gadget, device):
     gadget.mute = True
-    async with opened(gadget) as device:
-        assert await device.texts() == ("", "", "")
-        assert device.is_open
+
+    assert await device.texts() == ("", "", "")
+    assert device.is_open
 
 
 async def test_a_device_that_somebody_has_is_told():

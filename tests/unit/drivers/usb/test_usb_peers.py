@@ -21,6 +21,7 @@ from truepose_drivers.ballbar_hid.protocol import (
 )
 from truepose_drivers.errors import ConnectFailedError
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
+from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
 from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
 from truepose_simulators.instruments.gauges.usbip import usbip_endpoint
@@ -73,7 +74,7 @@ class OtherBallbar:
 async def test_our_driver_reads_another_makers_ballbar():
     bar = OtherBallbar()
     with plugged(bar.usb) as port:
-        driver = BALLBAR_HID.open({"usb": f"usbip://127.0.0.1:{port}/1-1"}, None)
+        driver = BALLBAR_HID.open({"usb": f"usbip://127.0.0.1:{port}/1-1"}, MonotonicClock())
         await driver.connect()
         streaming = asyncio.create_task(bar.stream())
 

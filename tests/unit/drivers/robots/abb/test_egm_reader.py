@@ -10,6 +10,7 @@ from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, encode_
 from truepose_drivers.abb_egm.reader import EgmReader
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.arm_motion import AccompaniedRobot
+from truepose_drivers.contract.wire import LoopClock
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
@@ -21,14 +22,6 @@ from truepose_drivers.errors import (
 pytestmark = pytest.mark.simulated_time
 
 FIRST = RobotFrame(100, 5000, (0.0, 10.0, 20.0, 30.0, 40.0, 50.0), (), Motors.ON, Rapid.RUNNING)
-
-
-class LoopClock:
-    async def now_s(self) -> float:
-        return asyncio.get_running_loop().time()
-
-    async def sleep(self, duration_s: float) -> None:
-        raise AssertionError("a robot driver never sleeps in cell time")
 
 
 class Stream:
@@ -80,9 +73,19 @@ async def reading(stream):
     return reader
 
 
-async def test_joints_are_those_that_arrive_after_the_question():
-    stream = Stream()
+@pytest.fixture
+def stream():
+    return Stream()
+
+
+@pytest.fixture
+async def reader(stream):
     reader = await reading(stream)
+    yield reader
+    await reader.close()
+
+
+async def test_joints_are_those_that_arrive_after_the_question(stream, reader):
     await asyncio.sleep(10.0)  # thousands of frames wait meanwhile
     stream.move_to(1.0, 2.0, 3.0, 4.0, 5.0, 6.0000001)
 
@@ -91,18 +94,14 @@ async def test_joints_are_those_that_arrive_after_the_question():
     assert joints.joints_rad == tuple(map(math.radians, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0000001)))
     assert joints.resolution_rad == 1e-6
     assert joints.time_s == pytest.approx(10.0, abs=0.1)
-    await reader.close()
 
 
-async def test_frames_that_come_twice_or_late_are_passed_over():
-    stream = Stream()
-    reader = await reading(stream)
+async def test_frames_that_come_twice_or_late_are_passed_over(stream, reader):
     old = replace(stream.frame, joints_deg=(9.0,) * 6)
     stream.spoil = lambda frame: [encode_robot(old), encode_robot(old), encode_robot(frame)]
 
     for _ in range(5):
         assert (await reader.read_joints()).joints_rad == tuple(map(math.radians, FIRST.joints_deg))
-    await reader.close()
 
 
 @pytest.mark.parametrize(
@@ -114,9 +113,7 @@ async def test_frames_that_come_twice_or_late_are_passed_over():
         lambda frame: [encode_robot(replace(frame, sequence=FIRST.sequence + 1, time_ms=5004))],
     ],
 )
-async def test_a_stream_that_ends_or_does_not_move_on_is_a_lost_link(spoil):
-    stream = Stream()
-    reader = await reading(stream)
+async def test_a_stream_that_ends_or_does_not_move_on_is_a_lost_link(stream, reader, spoil):
     await reader.read_joints()
     stream.spoil = spoil
     began_s = asyncio.get_running_loop().time()
@@ -130,9 +127,7 @@ async def test_a_stream_that_ends_or_does_not_move_on_is_a_lost_link(spoil):
         await reader.read_joints()
 
 
-async def test_a_controller_that_began_anew_is_read_after_connecting_again():
-    stream = Stream()
-    reader = await reading(stream)
+async def test_a_controller_that_began_anew_is_read_after_connecting_again(stream, reader):
     stream.frame = replace(FIRST, sequence=0, time_ms=4)
 
     with pytest.raises(NoReplyError):
@@ -140,12 +135,9 @@ async def test_a_controller_that_began_anew_is_read_after_connecting_again():
     await reader.connect()
 
     assert (await reader.read_joints()).joints_rad
-    await reader.close()
 
 
-async def test_nonsense_closes_the_port():
-    stream = Stream()
-    reader = await reading(stream)
+async def test_nonsense_closes_the_port(stream, reader):
     stream.spoil = lambda frame: [b"\xff\xff nonsense"]
 
     with pytest.raises(RemoteProtocolError):
@@ -153,8 +145,7 @@ async def test_nonsense_closes_the_port():
     assert not reader.connected
 
 
-async def test_a_port_at_which_nothing_arrives_is_no_connection():
-    stream = Stream()
+async def test_a_port_at_which_nothing_arrives_is_no_connection(stream):
     stream.spoil = lambda frame: []
 
     with pytest.raises(ConnectFailedError, match=r"TruePoseEgm\.mod"):
@@ -217,8 +208,7 @@ async def test_a_robot_is_moved_one_way_and_read_the_other():
     ("now", "match"),
     [({"motors": Motors.OFF}, "motors are off"), ({"rapid": Rapid.STOPPED}, "program stands")],
 )
-async def test_an_arm_whose_controller_says_that_it_cannot_move_is_not_moved(now, match):
-    stream = Stream()
+async def test_an_arm_whose_controller_says_that_it_cannot_move_is_not_moved(stream, now, match):
     mover, robot = robot_on(stream)
     await robot.connect()
     stream.frame = replace(stream.frame, **now)
@@ -231,8 +221,7 @@ async def test_an_arm_whose_controller_says_that_it_cannot_move_is_not_moved(now
     await robot.close()
 
 
-async def test_a_robot_without_its_stream_is_not_connected():
-    stream = Stream()
+async def test_a_robot_without_its_stream_is_not_connected(stream):
     mover, robot = robot_on(stream)
     stream.spoil = lambda frame: []
 

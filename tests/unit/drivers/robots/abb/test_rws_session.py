@@ -68,12 +68,21 @@ async def opened(server: FakeServer, chunk_bytes: int = 65_536) -> RwsSession:
     return session
 
 
+@pytest.fixture
+def server():
+    return FakeServer()
+
+
+@pytest.fixture
+async def session(server):
+    return await opened(server)
+
+
 async def joints(session: RwsSession):
     return await session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
 
 
-async def test_a_challenge_is_answered_once_and_kept_with_counted_requests():
-    server = FakeServer()
+async def test_a_challenge_is_answered_once_and_kept_with_counted_requests(server):
     session = await opened(server, chunk_bytes=13)
 
     for _ in range(3):
@@ -85,9 +94,7 @@ async def test_a_challenge_is_answered_once_and_kept_with_counted_requests():
     assert server.asked[2].headers["cookie"] == "-http-session-=8::http.session::d5ae; ABBCX=57"
 
 
-async def test_a_challenge_that_grew_old_is_answered_anew():
-    server = FakeServer()
-    session = await opened(server)
+async def test_a_challenge_that_grew_old_is_answered_anew(server, session):
     await joints(session)
     server.nonce = "second"
 
@@ -106,9 +113,7 @@ async def test_a_connection_that_the_server_ends_is_opened_again_before_the_next
     assert server.asked[-1].headers["cookie"].endswith("ABBCX=57")
 
 
-async def test_a_connection_that_is_gone_is_not_opened_again_unseen():
-    server = FakeServer()
-    session = await opened(server)
+async def test_a_connection_that_is_gone_is_not_opened_again_unseen(server, session):
     await joints(session)
     await session.close()
 
@@ -163,10 +168,7 @@ async def test_a_refusal_is_told_and_leaves_the_link_open(status, body, match):
     assert session.is_open
 
 
-async def test_leaving_logs_out_and_never_raises():
-    server = FakeServer()
-    session = await opened(server)
-
+async def test_leaving_logs_out_and_never_raises(server, session):
     await session.leave()
     await session.leave()
 
