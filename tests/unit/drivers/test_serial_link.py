@@ -40,10 +40,15 @@ def terminal():
             os.close(end)
 
 
-async def test_bytes_go_there_and_back(terminal):
-    link = SerialLink(terminal.name, COUNTER)
-    await link.open()
+@pytest.fixture
+async def link(terminal):
+    opened = SerialLink(terminal.name, COUNTER)
+    await opened.open()
+    yield opened
+    await opened.close()
 
+
+async def test_bytes_go_there_and_back(terminal, link):
     await link.send(b"\x1bA0200\r")
     heard = os.read(terminal.master, 100)
     os.write(terminal.master, b"\x02+000001234\r\n")
@@ -101,10 +106,7 @@ async def test_silence_is_none_after_the_time_allowed(terminal):
     await link.close()
 
 
-async def test_a_pulled_adapter_is_a_lost_connection(terminal):
-    link = SerialLink(terminal.name, COUNTER)
-    await link.open()
-
+async def test_a_pulled_adapter_is_a_lost_connection(terminal, link):
     terminal.unplug()
 
     with pytest.raises(ConnectionLostError, match="check cable"):
@@ -114,10 +116,7 @@ async def test_a_pulled_adapter_is_a_lost_connection(terminal):
         await link.send(b"x")
 
 
-async def test_a_pulled_adapter_is_noticed_by_sending_too(terminal):
-    link = SerialLink(terminal.name, COUNTER)
-    await link.open()
-
+async def test_a_pulled_adapter_is_noticed_by_sending_too(terminal, link):
     terminal.unplug()
 
     with pytest.raises(ConnectionLostError):
@@ -142,9 +141,7 @@ async def test_what_lay_in_the_port_from_before_is_dropped(terminal):
     await link.close()
 
 
-async def test_a_read_that_is_given_up_leaves_the_port_usable(terminal):
-    link = SerialLink(terminal.name, COUNTER)
-    await link.open()
+async def test_a_read_that_is_given_up_leaves_the_port_usable(terminal, link):
     with pytest.raises(TimeoutError):
         async with asyncio.timeout(0.02):
             await link.receive(5.0)
@@ -153,8 +150,6 @@ async def test_a_read_that_is_given_up_leaves_the_port_usable(terminal):
     os.write(terminal.master, b"x")
 
     assert await link.receive(10.0) == b"x"
-    await link.close()
-    await link.close()
 
 
 async def test_a_socket_url_is_a_port_like_any_other():
@@ -177,21 +172,15 @@ async def test_a_socket_url_is_a_port_like_any_other():
     server.close()
 
 
-async def test_a_break_and_another_speed_leave_the_port_open(terminal):
-    link = SerialLink(terminal.name, Framing())
-    await link.open()
-
+async def test_a_break_and_another_speed_leave_the_port_open(terminal, link):
     await link.send_break()
     await link.set_baud(115_200)
     await link.send(b"INIT \r")
 
     assert os.read(terminal.master, 100) == b"INIT \r"
-    await link.close()
 
 
-async def test_a_port_that_was_pulled_takes_neither(terminal):
-    link = SerialLink(terminal.name, Framing())
-    await link.open()
+async def test_a_port_that_was_pulled_takes_neither(link):
     await link.close()
 
     with pytest.raises(ConnectionLostError):

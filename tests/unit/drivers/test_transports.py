@@ -54,58 +54,50 @@ async def memory_link():
     await link.close()
 
 
-links = pytest.mark.parametrize("made", [tcp_link, memory_link])
+@pytest.fixture(params=[tcp_link, memory_link])
+async def link(request):
+    async with request.param() as made:
+        await made.open()
+        yield made
 
 
-@links
-async def test_bytes_go_there_and_back(made):
-    async with made() as link:
-        await link.open()
+async def test_bytes_go_there_and_back(link):
+    await link.send(b"hello")
+
+    assert await link.receive(5.0) == b"hello"
+    assert link.is_open
+
+
+@pytest.mark.parametrize("timeout_s", [0.0, 0.01])
+async def test_silence_is_none_and_leaves_the_link_open(link, timeout_s):
+
+    assert await link.receive(timeout_s) is None
+    assert link.is_open
+
+
+async def test_the_end_of_the_stream_is_a_lost_connection(link):
+    await link.send(b"bye")
+
+    with pytest.raises(ConnectionLostError, match="gone"):
+        await link.receive(5.0)
+
+    assert not link.is_open
+    with pytest.raises(ConnectionLostError, match="connect first"):
         await link.send(b"hello")
 
-        assert await link.receive(5.0) == b"hello"
-        assert link.is_open
+
+async def test_a_lost_link_can_be_opened_again(link):
+    await link.send(b"bye")
+    with pytest.raises(ConnectionLostError):
+        await link.receive(5.0)
+
+    await link.open()
+    await link.send(b"again")
+
+    assert await link.receive(5.0) == b"again"
 
 
-@links
-@pytest.mark.parametrize("timeout_s", [0.0, 0.01])
-async def test_silence_is_none_and_leaves_the_link_open(made, timeout_s):
-    async with made() as link:
-        await link.open()
-
-        assert await link.receive(timeout_s) is None
-        assert link.is_open
-
-
-@links
-async def test_the_end_of_the_stream_is_a_lost_connection(made):
-    async with made() as link:
-        await link.open()
-        await link.send(b"bye")
-
-        with pytest.raises(ConnectionLostError, match="gone"):
-            await link.receive(5.0)
-
-        assert not link.is_open
-        with pytest.raises(ConnectionLostError, match="connect first"):
-            await link.send(b"hello")
-
-
-@links
-async def test_a_lost_link_can_be_opened_again(made):
-    async with made() as link:
-        await link.open()
-        await link.send(b"bye")
-        with pytest.raises(ConnectionLostError):
-            await link.receive(5.0)
-
-        await link.open()
-        await link.send(b"again")
-
-        assert await link.receive(5.0) == b"again"
-
-
-@links
+@pytest.mark.parametrize("made", [tcp_link, memory_link])
 async def test_a_link_that_was_never_opened_says_so_and_closes_quietly(made):
     async with made() as link:
         with pytest.raises(ConnectionLostError, match="connect first"):
