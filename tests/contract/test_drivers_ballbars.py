@@ -17,11 +17,14 @@ async def ready(bench, name):
     return ballbar
 
 
-@ballbars
+@pytest.fixture(params=registry().names("ballbar"))
+async def ballbar(bench, request):
+    return await ready(bench, request.param)
+
+
 @pytest.mark.parametrize("deviation_mm", [0.0, 0.4321, -0.9876, 1.0])
-async def test_a_length_is_read_as_the_bar_shows_it(bench, name, deviation_mm):
+async def test_a_length_is_read_as_the_bar_shows_it(bench, ballbar, deviation_mm):
     bench.bar.deviation_mm = deviation_mm
-    ballbar = await ready(bench, name)
 
     reading = await ballbar.read()
 
@@ -31,9 +34,7 @@ async def test_a_length_is_read_as_the_bar_shows_it(bench, name, deviation_mm):
     assert 0.0 < reading.resolution_mm <= 0.001
 
 
-@ballbars
-async def test_a_reading_is_fresh_however_long_nobody_asked(bench, name):
-    ballbar = await ready(bench, name)
+async def test_a_reading_is_fresh_however_long_nobody_asked(bench, ballbar):
     await ballbar.read()
 
     for deviation_mm in (0.5, -0.5, 0.25):
@@ -57,11 +58,9 @@ async def test_a_reading_is_stamped_by_the_cells_clock(bench, name):
     assert second.time_s - first.time_s == pytest.approx(2.5)
 
 
-@ballbars
 @pytest.mark.parametrize("deviation_mm", [1.05, -1.05])
-async def test_a_bar_at_its_stop_is_out_of_range(bench, name, deviation_mm):
+async def test_a_bar_at_its_stop_is_out_of_range(bench, ballbar, deviation_mm):
     bench.bar.deviation_mm, bench.bar.signal = deviation_mm, "out_of_range"
-    ballbar = await ready(bench, name)
 
     reading = await ballbar.read()
 
@@ -69,10 +68,8 @@ async def test_a_bar_at_its_stop_is_out_of_range(bench, name, deviation_mm):
     assert reading.deviation_mm == pytest.approx(deviation_mm, abs=0.001)
 
 
-@ballbars
-async def test_without_a_signal_there_is_no_length(bench, name):
+async def test_without_a_signal_there_is_no_length(bench, ballbar):
     bench.bar.signal = "none"
-    ballbar = await ready(bench, name)
 
     reading = await ballbar.read()
     bench.bar.signal = "good"
@@ -99,10 +96,7 @@ async def test_a_bar_that_was_moved_too_fast_has_no_length(bench, name):
     assert math.isnan(too_fast.deviation_mm)
 
 
-@ballbars
-async def test_sequence_numbers_grow_where_there_are_any(bench, name):
-    ballbar = await ready(bench, name)
-
+async def test_sequence_numbers_grow_where_there_are_any(ballbar):
     numbers = [(await ballbar.read()).sequence for _ in range(5)]
 
     assert numbers == [None] * 5 or numbers == sorted(set(numbers))

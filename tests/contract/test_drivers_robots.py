@@ -10,21 +10,18 @@ from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import ConnectionLostError, LinkError, TargetRefusedError
 from truepose_simulators.faults.kinds import RobotRefuses
 
-robots = pytest.mark.parametrize("name", registry().names("robot"))
 TARGET_RAD = tuple(map(math.radians, (10.0, -20.123456, 15.0, 30.0, 40.0, -50.0)))
 
 
-async def ready(bench, name):
-    robot = bench.driver(name)
+@pytest.fixture(params=registry().names("robot"))
+async def robot(bench, request):
+    robot = bench.driver(request.param)
     await robot.connect()
     await robot.set_limits(MotionLimits())
     return robot
 
 
-@robots
-async def test_the_arm_goes_where_it_is_told(bench, name):
-    robot = await ready(bench, name)
-
+async def test_the_arm_goes_where_it_is_told(robot):
     await robot.move_joints(TARGET_RAD)
     reading = await robot.read_joints()
 
@@ -33,18 +30,13 @@ async def test_the_arm_goes_where_it_is_told(bench, name):
     assert reading.joints_rad == pytest.approx(TARGET_RAD, abs=tolerance_rad, rel=0.0)
 
 
-@robots
-async def test_the_arm_rests_when_the_motion_returns(bench, name):
-    robot = await ready(bench, name)
-
+async def test_the_arm_rests_when_the_motion_returns(bench, robot):
     await robot.move_joints(TARGET_RAD)
 
     assert not bench.cell.robot.moving(bench.cell.clock.now_s)
 
 
-@robots
-async def test_a_slower_limit_takes_more_cell_time(bench, name):
-    robot = await ready(bench, name)
+async def test_a_slower_limit_takes_more_cell_time(bench, robot):
     durations_s = []
 
     for speed_rad_s in (0.349, 0.1745):
@@ -58,9 +50,7 @@ async def test_a_slower_limit_takes_more_cell_time(bench, name):
     assert durations_s[1] > 1.5 * durations_s[0] > 0.0
 
 
-@robots
-async def test_a_motion_that_cannot_be_made_is_an_error_and_the_link_comes_back(bench, name):
-    robot = await ready(bench, name)
+async def test_a_motion_that_cannot_be_made_is_an_error_and_the_link_comes_back(bench, robot):
     bench.cell.scenario = _dropping(bench.cell.scenario)
     bench.cell.faults.add(RobotRefuses(move=1))
 
@@ -72,9 +62,7 @@ async def test_a_motion_that_cannot_be_made_is_an_error_and_the_link_comes_back(
     assert (await robot.read_joints()).joints_rad == pytest.approx(TARGET_RAD, abs=1e-3)
 
 
-@robots
-async def test_a_target_out_of_range_never_passes_in_silence(bench, name):
-    robot = await ready(bench, name)
+async def test_a_target_out_of_range_never_passes_in_silence(bench, robot):
     bench.cell.scenario = _dropping(bench.cell.scenario)
 
     with pytest.raises((TargetRefusedError, ConnectionLostError)):

@@ -25,9 +25,12 @@ async def ready(bench, name):
     return tracker
 
 
-@trackers
-async def test_a_fixed_nest_is_found_and_measured_where_it_is(bench, name):
-    tracker = await ready(bench, name)
+@pytest.fixture(params=registry().names("tracker"))
+async def tracker(bench, request):
+    return await ready(bench, request.param)
+
+
+async def test_a_fixed_nest_is_found_and_measured_where_it_is(bench, tracker):
     nest_mm = bench.fixed_nest_mm(1)
 
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
@@ -40,9 +43,7 @@ async def test_a_fixed_nest_is_found_and_measured_where_it_is(bench, name):
     assert reading.rms_mm == pytest.approx(math.hypot(*reading.standard_deviation_mm), rel=1e-6)
 
 
-@trackers
-async def test_a_reading_states_the_covariance_of_the_accuracy_model(bench, name):
-    tracker = await ready(bench, name)
+async def test_a_reading_states_the_covariance_of_the_accuracy_model(bench, tracker):
     nest_mm = bench.fixed_nest_mm(1)
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
 
@@ -68,9 +69,7 @@ async def test_a_measurement_takes_cell_time_and_is_stamped_by_the_cells_clock(b
     assert reading.time_s <= await bench.clock.now_s()
 
 
-@trackers
-async def test_the_other_face_sees_the_same_reflector(bench, name):
-    tracker = await ready(bench, name)
+async def test_the_other_face_sees_the_same_reflector(bench, tracker):
     nest_mm = bench.fixed_nest_mm(2)
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
 
@@ -82,9 +81,7 @@ async def test_the_other_face_sees_the_same_reflector(bench, name):
     assert math.dist(reading.point_mm, nest_mm) < 5.0 * bench.spread_mm(nest_mm) + 0.02
 
 
-@trackers
-async def test_an_empty_place_is_no_reflector(bench, name):
-    tracker = await ready(bench, name)
+async def test_an_empty_place_is_no_reflector(bench, tracker):
     x, y, z = bench.fixed_nest_mm(1)
 
     with pytest.raises(ReflectorNotFoundError):
@@ -94,18 +91,14 @@ async def test_an_empty_place_is_no_reflector(bench, name):
     assert tracker.connected
 
 
-@trackers
-async def test_a_blinded_tracker_finds_nothing(bench, name):
-    tracker = await ready(bench, name)
+async def test_a_blinded_tracker_finds_nothing(bench, tracker):
     bench.cell.faults.add(TrackerBlinded())
 
     with pytest.raises(ReflectorNotFoundError):
         await tracker.find_reflector(bench.fixed_nest_mm(1), search_radius_mm=RADIUS_MM)
 
 
-@trackers
-async def test_a_broken_beam_is_reported_and_the_next_reading_succeeds(bench, name):
-    tracker = await ready(bench, name)
+async def test_a_broken_beam_is_reported_and_the_next_reading_succeeds(bench, tracker):
     nest_mm = bench.fixed_nest_mm(1)
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
     bench.cell.faults.add(BeamBroken(reading=1))
@@ -118,9 +111,7 @@ async def test_a_broken_beam_is_reported_and_the_next_reading_succeeds(bench, na
     assert math.dist(reading.point_mm, nest_mm) < 1.0  # the right reflector, not another one
 
 
-@trackers
-async def test_a_link_cut_in_the_middle_of_a_packet_is_lost_and_comes_back(bench, name):
-    tracker = await ready(bench, name)
+async def test_a_link_cut_in_the_middle_of_a_packet_is_lost_and_comes_back(bench, tracker):
     nest_mm = bench.fixed_nest_mm(1)
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
     bench.cell.faults.add(TrackerCut(reading=1))
@@ -137,10 +128,7 @@ async def test_a_link_cut_in_the_middle_of_a_packet_is_lost_and_comes_back(bench
     assert math.dist((await tracker.measure_point(duration_s=1.0)).point_mm, nest_mm) < 1.0
 
 
-@trackers
-async def test_the_weather_station_is_read_in_house_units(bench, name):
-    tracker = await ready(bench, name)
-
+async def test_the_weather_station_is_read_in_house_units(tracker):
     air = await tracker.environment()
 
     assert 5.0 < air.temperature_c < 40.0

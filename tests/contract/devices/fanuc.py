@@ -1,11 +1,7 @@
 """Model of a FANUC controller with our own MAPPDK server on a hostile wire."""
 
-import math
-
-from truepose.domain.robot import JointRange
-from truepose.sessions.engine.robot import WatchfulRobot
+from tests.contract.devices.watched_robot import ABSENT, FANUC_RANGES_DEG, WatchedRobot
 from truepose_drivers.arm_options import JointCounting
-from truepose_drivers.contract.bench import RobotBench
 from truepose_drivers.fanuc_mappdk.driver import PLUGIN, MappdkRobot
 from truepose_drivers.fanuc_mappdk.protocol import (
     GREETING,
@@ -20,32 +16,24 @@ from truepose_drivers.fanuc_mappdk.protocol import (
     joint_angles_deg,
 )
 
-_RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
-_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
 
-
-class Fanuc(RobotBench):
+class Fanuc(WatchedRobot):
     """A controller that shows joint 3 from the horizontal."""
 
     plugin = PLUGIN
-    ranges_deg = _RANGES_DEG
-    decimals = 3
-    free_numbers = True
+    ranges_deg = FANUC_RANGES_DEG
     specials = {
         "pose": "foreign", "success": "foreign", "nan": "nonsense", "huge_angle": "nonsense",
         "seven_joints": "nonsense", "five_joints": "nonsense",
     }  # fmt: skip
     absent = {
-        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        **ABSENT,
         "a_frozen_device_gives_no_reading": "its replies have no count and no time stamp",
     }
 
     def driver(self, wiring):
         link = wiring.line(self.answer, greets=lambda: [encode_reply(GREETING)])
         return MappdkRobot(link, wiring.clock)
-
-    def watched(self, device):
-        return WatchfulRobot(device, _RANGES)
 
     def answer(self, data):
         if decode_request(data.decode().strip()).name == Command.JOINTS:

@@ -3,10 +3,9 @@
 import json
 import math
 
-from truepose.domain.robot import JointRange
-from truepose.sessions.engine.robot import WatchfulRobot
+from tests.contract.devices.watched_robot import ABSENT, FANUC_RANGES_DEG, WatchedRobot
 from truepose_drivers.arm_options import JointCounting
-from truepose_drivers.contract.bench import RobotBench, messages
+from truepose_drivers.contract.bench import messages
 from truepose_drivers.fanuc_rmi.driver import PLUGIN, RmiRobot
 from truepose_drivers.fanuc_rmi.protocol import (
     PacketReader,
@@ -21,26 +20,22 @@ from truepose_drivers.fanuc_rmi.protocol import (
     reply,
 )
 
-_RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
-_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
 _STATUS = Status(True, False, True, False, 1, 100)
 _ELSEWHERE_DEG = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
 
 
-class FanucRmi(RobotBench):
+class FanucRmi(WatchedRobot):
     """A controller that shows joint 3 from the horizontal, and both of its ports."""
 
     plugin = PLUGIN
-    ranges_deg = _RANGES_DEG
-    decimals = 3
-    free_numbers = True
+    ranges_deg = FANUC_RANGES_DEG
     specials = {
         "clock_stands": "frozen", "joints_of_before": "stale", "position": "foreign",
         "other_command": "foreign", "end_of_motion": "foreign", "nan": "nonsense",
         "huge_angle": "nonsense", "five_joints": "nonsense", "axis_twice": "nonsense",
     }  # fmt: skip
     absent = {
-        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        **ABSENT,
         "another_serial_number_is_told": "the interface tells no serial number",
     }
 
@@ -50,9 +45,6 @@ class FanucRmi(RobotBench):
 
     def driver(self, wiring):
         return RmiRobot(lambda port: wiring.line(self.answer), wiring.clock)
-
-    def watched(self, device):
-        return WatchfulRobot(device, _RANGES)
 
     def answer(self, data):
         return [encode(reply(request, fields=self._fields(request.name))) for request in _requests(data)]

@@ -1,11 +1,9 @@
 """Model of a KUKA controller behind a variable proxy on a hostile wire."""
 
-import math
 import struct
 
-from truepose.domain.robot import JointRange
-from truepose.sessions.engine.robot import WatchfulRobot
-from truepose_drivers.contract.bench import RobotBench, messages
+from tests.contract.devices.watched_robot import ABSENT, WatchedRobot
+from truepose_drivers.contract.bench import messages
 from truepose_drivers.kuka_variable_proxy.driver import PLUGIN, KukaRobot
 from truepose_drivers.kuka_variable_proxy.protocol import (
     NUMBERS,
@@ -20,33 +18,27 @@ from truepose_drivers.kuka_variable_proxy.protocol import (
 )
 
 _RANGES_DEG = ((-170, 170), (-190, 45), (-120, 156), (-185, 185), (-120, 120), (-350, 350))
-_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
 _ELSEWHERE_DEG = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
 
 
-class Kuka(RobotBench):
+class Kuka(WatchedRobot):
     """A controller that counts as the robot file does."""
 
     plugin = PLUGIN
     ranges_deg = _RANGES_DEG
-    decimals = 3
     tolerance_deg = 2.0**-15
-    free_numbers = True
     specials = {
         "number_of_before": "stale", "number_of_after": "foreign", "was_written": "foreign",
         "position": "foreign", "nan": "nonsense", "huge_angle": "nonsense", "five_axes": "nonsense",
         "not_read": "nonsense", "endless": "nonsense",
     }  # fmt: skip
     absent = {
-        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        **ABSENT,
         "a_frozen_device_gives_no_reading": "answers bear the number of their request, and no time",
     }
 
     def driver(self, wiring):
         return KukaRobot(wiring.line(self.answer), wiring.clock)
-
-    def watched(self, device):
-        return WatchfulRobot(device, _RANGES)
 
     def answer(self, data):
         reader, said = RequestReader(), []

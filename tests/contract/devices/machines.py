@@ -1,10 +1,8 @@
 """Models of a robot's controller, a cell's clock and its hands on hostile wires."""
 
 import json
-import math
 
-from truepose.domain.robot import JointRange
-from truepose.sessions.engine.robot import WatchfulRobot
+from tests.contract.devices.watched_robot import ABSENT, IRB_120_RANGES_DEG, WatchedRobot
 from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.abb_open_abb.protocol import (
@@ -23,35 +21,28 @@ from truepose_drivers.cell_clock.protocol import decode_answer as decode_time
 from truepose_drivers.cell_hands.driver import PLUGIN as CELL_HANDS
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.cell_hands.protocol import decode_answer as decode_deed
-from truepose_drivers.contract.bench import Bench, RobotBench, messages
+from truepose_drivers.contract.bench import Bench, messages
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.framing import LineReader
 from truepose_drivers.guard import guarded
 
-_RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
-_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
 
-
-class Controller(RobotBench):
+class Controller(WatchedRobot):
     """An IRC5 with open_abb."""
 
     plugin = OPEN_ABB
-    ranges_deg = _RANGES_DEG
-    free_numbers = True
+    ranges_deg = IRB_120_RANGES_DEG
     specials = {
         "wrong_id": "foreign", "nan": "nonsense", "huge_angle": "nonsense", "seven_joints": "nonsense",
         "five_joints": "nonsense",
     }  # fmt: skip
     absent = {
-        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        **ABSENT,
         "a_frozen_device_gives_no_reading": "its replies have no count and no time stamp",
     }
 
     def driver(self, wiring):
         return OpenAbbRobot(wiring.line(self.answer), wiring.clock)
-
-    def watched(self, device):
-        return WatchfulRobot(device, _RANGES)
 
     def move(self, rng):
         self.decimals = int(rng.choice([0, 1, 2, 2]))

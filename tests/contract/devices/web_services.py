@@ -1,5 +1,6 @@
 """Model of an ABB controller's web services on a hostile wire."""
 
+from tests.contract.devices.watched_robot import ABSENT, IRB_120_RANGES_DEG
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.driver import PLUGIN, RwsRobot
 from truepose_drivers.abb_rws.http import (
@@ -14,7 +15,6 @@ from truepose_drivers.abb_rws.protocol import number_text
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.contract.wire import HangUp
 
-_RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
 _CHALLENGE = ("www-authenticate", challenge_header(Challenge("validusers@robapi.abb", "6f6e6365")))
 _OTHERS = {
     protocol.CONTROLLER_STATE: {"_type": "pnl-ctrlstate", "ctrlstate": "motoron"},
@@ -27,16 +27,16 @@ class WebServices(RobotBench):
     """An IRC5 that asks every new client for its password, once."""
 
     plugin = PLUGIN
-    ranges_deg = _RANGES_DEG
+    ranges_deg = IRB_120_RANGES_DEG
     decimals = 4
-    tolerance_deg = 1e-4
     free_numbers = True
+    tolerance_deg = 1e-4
     specials = {
         "other_resource": "foreign", "page": "nonsense", "nan": "nonsense", "huge_angle": "nonsense",
         "five_joints": "nonsense", "no_states": "nonsense", "no_json": "nonsense",
     }  # fmt: skip
     absent = {
-        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        **ABSENT,
         "a_frozen_device_gives_no_reading": "a state has neither number nor time",
     }
 
