@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from truepose_drivers.heidenhain_nd.protocol import (
     DC1,
     DC3,
@@ -40,21 +41,11 @@ VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "nd28x_dialogue.js
 
 
 def replies(data: bytes, chunk: int = 4096) -> list[object]:
-    reader, found = ReplyReader(), []
-    for start in range(0, len(data), chunk):
-        reader.receive_data(data[start : start + chunk])
-        while (reply := reader.next_message()) is not None:
-            found.append(reply)
-    return found
+    return messages_in(ReplyReader(), data, chunk)
 
 
 def requests(data: bytes, chunk: int = 4096) -> list[object]:
-    reader, found = RequestReader(), []
-    for start in range(0, len(data), chunk):
-        reader.receive_data(data[start : start + chunk])
-        while (request := reader.next_message()) is not None:
-            found.append(request)
-    return found
+    return messages_in(RequestReader(), data, chunk)
 
 
 @pytest.mark.parametrize("vector", VECTORS["requests"], ids=lambda vector: vector["code"])

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from truepose_drivers.cell_clock.protocol import (
     Now,
     Sleep,
@@ -71,14 +72,11 @@ def test_a_number_that_is_not_finite_is_never_sent():
 @pytest.mark.parametrize("chunk", [1, 5, 4096])
 def test_lines_survive_any_split_of_the_stream(chunk):
     stream = encode(Now()) + encode(Sleep(1.0)) + b'{"op"'
-    reader, found = LineReader(), []
+    reader = LineReader()
 
-    for start in range(0, len(stream), chunk):
-        reader.receive_data(stream[start : start + chunk])
-        while (line := reader.next_message()) is not None:
-            found.append(decode_request(line))
+    lines = messages_in(reader, stream, chunk)
 
-    assert found == [Now(), Sleep(1.0)]
+    assert [decode_request(line) for line in lines] == [Now(), Sleep(1.0)]
     assert reader.inside_message
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.keyence_gt2 import protocol as keyence
 from truepose_drivers.line_gauges.protocol import TextLines, Value, ValueForm
@@ -18,12 +19,7 @@ READERS = {"mitutoyo_serial": serial, "mitutoyo_eh": eh, "keyence_gt2": keyence}
 
 
 def messages(protocol, data: bytes, chunk: int = 4096) -> list[object]:
-    reader, found = protocol.reply_reader(), []
-    for start in range(0, len(data), chunk):
-        reader.receive_data(data[start : start + chunk])
-        while (message := reader.next_message()) is not None:
-            found.append(message)
-    return found
+    return messages_in(protocol.reply_reader(), data, chunk)
 
 
 @pytest.mark.parametrize("chunk", [1, 4096])

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from truepose_drivers.leica_emscon.protocol import (
     ELEMENTS,
     EXCHANGES,
@@ -41,14 +42,8 @@ DIALOGUE = json.loads((VECTORS / "emscon_dialogue.json").read_text())
 INITIALIZED = encode(Answer(Command.INITIALIZE))
 
 
-def frames(data: bytes, chunk: int | None = None) -> list[Frame]:
-    reader = FrameReader()
-    found = []
-    for start in range(0, len(data), chunk or len(data)):
-        reader.receive_data(data[start : start + (chunk or len(data))])
-        while (packet := reader.next_message()) is not None:
-            found.append(packet)
-    return found
+def frames(data: bytes) -> list[Frame]:
+    return messages_in(FrameReader(), data)
 
 
 def received(data: bytes):

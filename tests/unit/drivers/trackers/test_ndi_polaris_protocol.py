@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.ndi_polaris.protocol import (
@@ -57,15 +58,6 @@ tools = st.builds(
     st.sampled_from([PortStatus(0x31), PortStatus(0x71), PortStatus(0xB1)]),
     st.integers(0, 2**32 - 1),
 )
-
-
-def messages(reader, data, chunk):
-    found = []
-    for start in range(0, len(data), chunk):
-        reader.receive_data(data[start : start + chunk])
-        while (message := reader.next_message()) is not None:
-            found.append(message)
-    return found
 
 
 @pytest.mark.parametrize(("text", "crc"), GOLDEN["requests"].items())
@@ -154,7 +146,7 @@ def test_a_tool_that_was_disabled_says_so(form):
 def test_replies_of_both_kinds_survive_any_split(chunk):
     sent = [Text("OKAY"), Binary(b"\x00\x00\x00"), Text("a\nb"), Binary(bytes(range(256))), Text("")]
 
-    assert messages(ReplyReader(), b"".join(map(encode_reply, sent)), chunk) == sent
+    assert messages_in(ReplyReader(), b"".join(map(encode_reply, sent)), chunk) == sent
 
 
 @given(
@@ -163,7 +155,7 @@ def test_replies_of_both_kinds_survive_any_split(chunk):
     chunk=st.integers(1, 64),
 )
 def test_hostile_bytes_are_a_reply_or_a_protocol_error(data, begin, chunk):
-    found = assert_refused_at_worst(NdiProtocolError, messages, ReplyReader(), begin + data, chunk)
+    found = assert_refused_at_worst(NdiProtocolError, messages_in, ReplyReader(), begin + data, chunk)
     for reply in found or ():
         decode = decode_binary if isinstance(reply, Binary) else decode_text
         assert_refused_at_worst(NdiProtocolError, decode, reply)
@@ -184,13 +176,13 @@ def test_a_bit_that_flipped_is_never_a_reply(bit):
     data[bit // 8] ^= 1 << bit % 8
 
     with pytest.raises(NdiProtocolError):
-        assert messages(ReplyReader(), bytes(data) + b"\r", 64) == []
+        assert messages_in(ReplyReader(), bytes(data) + b"\r", 64) == []
         raise NdiProtocolError("waits for what does not come")
 
 
 def test_a_reply_without_an_end_is_an_error():
     with pytest.raises(NdiProtocolError, match="does not end"):
-        messages(ReplyReader(), b"O" * 20_000, 4096)
+        messages_in(ReplyReader(), b"O" * 20_000, 4096)
 
 
 @pytest.mark.parametrize(
@@ -207,12 +199,12 @@ def test_a_reply_without_an_end_is_an_error():
     ],
 )
 def test_requests_are_read_with_and_without_checksum(line, request_read):
-    assert messages(RequestReader(), line, 7) == [request_read]
+    assert messages_in(RequestReader(), line, 7) == [request_read]
 
 
 def test_a_request_without_an_end_is_an_error():
     with pytest.raises(RemoteProtocolError, match="does not end"):
-        messages(RequestReader(), b"A" * 10_000, 4096)
+        messages_in(RequestReader(), b"A" * 10_000, 4096)
 
 
 def test_a_definition_is_written_in_sixteen_pages():

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.kuka_variable_proxy.protocol import (
     Answer,
@@ -34,21 +35,12 @@ VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "kuka_variable_pro
 AXES = VECTORS["axes"]
 
 
-def read(reader, data, chunk=4096):
-    found = []
-    for start in range(0, len(data), chunk):
-        reader.receive_data(data[start : start + chunk])
-        while (message := reader.next_message()) is not None:
-            found.append(message)
-    return found
-
-
 @pytest.mark.parametrize("row", VECTORS["requests"], ids=lambda row: row["name"])
 @pytest.mark.parametrize("chunk", [1, 7, 4096])
 def test_requests_of_the_public_client_are_read_and_met_byte_for_byte(row, chunk):
     request, data = Request(row["number"], row["name"], row["value"]), bytes.fromhex(row["hex"])
 
-    assert read(RequestReader(), data, chunk) == [request]
+    assert messages_in(RequestReader(), data, chunk) == [request]
     assert encode_request(request) == data
 
 
@@ -60,14 +52,14 @@ def test_answers_of_the_public_server_are_read_and_met_byte_for_byte(row, chunk)
         bytes.fromhex(row["hex"]),
     )
 
-    assert read(AnswerReader(), data, chunk) == [answer]
+    assert messages_in(AnswerReader(), data, chunk) == [answer]
     assert encode_answer(answer) == data
 
 
 def test_frames_that_run_into_each_other_are_told_apart():
     rows = VECTORS["answers"]
 
-    found = read(AnswerReader(), b"".join(bytes.fromhex(row["hex"]) for row in rows), 5)
+    found = messages_in(AnswerReader(), b"".join(bytes.fromhex(row["hex"]) for row in rows), 5)
 
     assert [answer.number for answer in found] == [row["number"] for row in rows]
 
@@ -87,14 +79,14 @@ def test_frames_that_run_into_each_other_are_told_apart():
 )
 def test_what_is_no_answer_is_refused(bad):
     with pytest.raises(ProxyProtocolError):
-        read(AnswerReader(), bytes.fromhex(bad) + bytes(40))
+        messages_in(AnswerReader(), bytes.fromhex(bad) + bytes(40))
 
 
 @given(data=st.binary(max_size=300))
 def test_any_bytes_are_frames_or_refused(data):
     for reader in (AnswerReader(), RequestReader()):
         try:
-            for message in read(reader, data):
+            for message in messages_in(reader, data):
                 assert isinstance(message, Answer | Request)
         except ProxyProtocolError:
             continue

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.instruments.pieces import messages_in
 from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.universal_robots.protocol import (
     GREETING,
@@ -222,12 +223,7 @@ def test_nothing_is_said_of_an_arm_that_may_move(safety_mode):
 
 @given(st.binary(max_size=60), st.integers(1, 9))
 def test_lines_come_whole_or_are_no_lines(data, size):
-    reader, found = LineReader(), []
-    stream = data + b"\n"
-    for start in range(0, len(stream), size):
-        reader.receive_data(stream[start : start + size])
-        while (line := reader.next_message()) is not None:
-            found.append(line)
+    found = messages_in(LineReader(), data + b"\n", size)
 
     assert found == [line.decode(errors="replace").strip() for line in data.split(b"\n")]
 
