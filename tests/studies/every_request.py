@@ -6,7 +6,6 @@ on; with every check but what CONFIGURATION leaves out, with its reason. An even
 --manner, --phases and --part 2/8. Exit status 1: some failed.
 """
 
-import argparse
 import asyncio
 import json
 import subprocess
@@ -21,6 +20,7 @@ from tests.helpers.domain.builders import make_campaign, make_points
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.calibration.test_jobs import FakeWorker
 from tests.integration.web.listening import listening
+from tests.studies.running import study_parser
 from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
 from truepose.analysis.job_queue.tasks import IdentifyTask, ValidateTask
 from truepose.app import create_app
@@ -124,12 +124,14 @@ def of_part(part):
 
 def main():
     """Run it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--examples", type=int, default=50, help="of each operation and phase")
-    parser.add_argument("--phases", default="examples,coverage,fuzzing,stateful")
+    parser = study_parser(
+        __doc__,
+        out=Path("out/interface"),
+        examples=(50, "of each operation and phase"),
+        phases="examples,coverage,fuzzing,stateful",
+        part=("1/1", "of the operations, as 2/8"),
+    )
     parser.add_argument("--manner", choices=MANNERS, action="append", help="by default every one")
-    parser.add_argument("--part", default="1/1", help="of the operations, as 2/8")
-    parser.add_argument("--out", type=Path, default=Path("out/interface"))
     asked = parser.parse_args()
     options = [f"--max-examples={asked.examples}", f"--phases={asked.phases}", *of_part(asked.part)]
     status = 0

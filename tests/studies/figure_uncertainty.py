@@ -8,23 +8,21 @@ validations states of it: 1 where the statement is right, below where it is caut
 
 import argparse
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tests.studies.running import study_options
+from tests.studies.simulated_arms import read_back
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.identification import Model
 from truepose.domain.validation import FigureUncertainty, Validation
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify, judge
 from truepose.validation.uncertainty import known
 from truepose.validation.validate import validate
 from truepose_simulators.recording.campaign import record
-from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -34,7 +32,9 @@ _BLOCKS: Final = ("position", "relative", "distance")
 
 def main() -> int:
     """Print a line per block and model: the ratio of each figure, over all robots."""
-    options = _options()
+    options = study_options(
+        __doc__, scenario="irb120-everyday", seeds=5, configurations=60, validation=40, draws=200
+    )
     found = [_ratios(seed, options) for seed in range(1, options.seeds + 1)]
     for block in _BLOCKS:
         for model in ("nominal", "identified"):
@@ -64,9 +64,7 @@ def _campaign(seed: int, options: argparse.Namespace) -> Campaign:
         seed,
         RecordingRequest(options.configurations, options.validation),
     )
-    with tempfile.TemporaryDirectory() as folder:
-        write_campaign(recording, Path(folder))
-        return read_campaign(Path(folder))
+    return read_back(recording)
 
 
 def _measured_again(model: Model, points: PointReadings, seed: int, draws: int) -> Iterator[PointReadings]:
@@ -88,16 +86,6 @@ def _scatter(drawn: list[Validation], block: str, which: str, figure: str) -> fl
 def _stated(answer: Validation, block: str, which: str) -> FigureUncertainty:
     found: FigureUncertainty = getattr(getattr(answer.uncertainty, block), which)
     return found
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenario", default="irb120-everyday")
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--configurations", type=int, default=60)
-    parser.add_argument("--validation", type=int, default=40)
-    parser.add_argument("--draws", type=int, default=200)
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

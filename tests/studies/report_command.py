@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from truepose.reports.table_report import Row, Section, Verdict
+from truepose.reports.table_report import Row, Section, Verdict, write_table_report
 
 
 def campaigns_folder() -> Path | None:
@@ -41,6 +41,23 @@ def _print(section: Section) -> None:
     if section.note:
         sys.stdout.write(f"  {section.note}\n")
     sys.stdout.flush()
+
+
+def target_row(figure: str, target: str, measured: str, good: bool) -> Row:
+    """Return a figure that reaches its target or misses it."""
+    return Row(figure, target, measured, Verdict.PASSED if good else Verdict.FAILED)
+
+
+def informing(figure: str, measured: str) -> Row:
+    """Return a figure without a target."""
+    return Row(figure, "", measured, Verdict.NO_TARGET)
+
+
+def report(sections: Iterable[Section], file: Path, title: str) -> int:
+    """Print sections and write them as a page; return 1 where a target is missed."""
+    told = shown(sections)
+    write_table_report(file, title, told, simulated=True)
+    return status_of(told)
 
 
 def status_of(sections: Iterable[Section]) -> int:

@@ -4,7 +4,6 @@
 on two cores. Figures on measured data need the folder that the environment variable TRUEPOSE_DATA names.
 """
 
-import argparse
 import asyncio
 import json
 import os
@@ -17,12 +16,13 @@ from typing import Final
 import numpy as np
 
 from tests.studies.accuracy.measured_cell import CellMeasurement, measure_cell
-from tests.studies.report_command import campaigns_folder, shown, status_of, without_data
+from tests.studies.report_command import campaigns_folder, report, target_row, without_data
+from tests.studies.running import study_options
 from truepose.demo.truth_comparison import true_errors
 from truepose.domain.identification import Identification
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify, predict
-from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+from truepose.reports.table_report import Row, Section, Verdict
 
 _SCENARIO: Final = "irb120-tilted"
 _MEASURED_DATA: Final = {  # RMS of held-out points on these very splits, from the README of each folder
@@ -40,19 +40,14 @@ _SPEED_MS: Final = {50: 20.0, 1000: 30.0, 10000: 170.0}
 
 def main() -> int:
     """Measure everything, print it, write it; status 1 where a target is missed."""
-    options = _options()
-    sections = shown(_sections(options.seeds, options.coverage_seeds))
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_table_report(options.out / "accuracy.html", "Accuracy report", sections, simulated=True)
-    return status_of(sections)
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/accuracy"))
-    parser.add_argument("--seeds", type=int, default=10, help="cells with 1,000 held-out configurations")
-    parser.add_argument("--coverage-seeds", type=int, default=200, help="cells for the stated intervals")
-    return parser.parse_args()
+    options = study_options(
+        __doc__,
+        out=Path("out/accuracy"),
+        seeds=(10, "cells with 1,000 held-out configurations"),
+        coverage_seeds=(200, "cells for the stated intervals"),
+    )
+    sections = _sections(options.seeds, options.coverage_seeds)
+    return report(sections, options.out / "accuracy.html", "Accuracy report")
 
 
 def _sections(seeds: int, coverage_seeds: int) -> Iterator[Section]:
@@ -66,8 +61,7 @@ def _sections(seeds: int, coverage_seeds: int) -> Iterator[Section]:
 
 
 def _row(figure: str, target: float, measured: float, *, unit: str = "mm", digits: int = 4) -> Row:
-    verdict = Verdict.PASSED if measured <= target else Verdict.FAILED
-    return Row(figure, f"<= {target:g} {unit}", f"{measured:.{digits}f} {unit}", verdict)
+    return target_row(figure, f"<= {target:g} {unit}", f"{measured:.{digits}f} {unit}", measured <= target)
 
 
 def _true_errors(cells: list[CellMeasurement]) -> Section:
@@ -152,8 +146,8 @@ def _scores(found: Identification, true: Identification) -> list[float]:
 
 
 def _between(figure: str, low: float, high: float, measured: float) -> Row:
-    verdict = Verdict.PASSED if low <= measured <= high else Verdict.FAILED
-    return Row(figure, f"{100 * low:g}-{100 * high:g} %", f"{100 * measured:.1f} %", verdict)
+    target = f"{100 * low:g}-{100 * high:g} %"
+    return target_row(figure, target, f"{100 * measured:.1f} %", low <= measured <= high)
 
 
 def _measured_data() -> Section:
@@ -170,18 +164,18 @@ def _held_out_row(folder: Path, name: str) -> Row:
     answer = identify(read_campaign(folder / name.split()[0]), effects)
     held_out = answer.validation or answer.cross_validation
     measured_mm = float("nan") if held_out is None else held_out.identified.rms_mm
-    verdict = Verdict.PASSED if measured_mm <= _MATCHED * reference_mm else Verdict.FAILED
-    return Row(name, f"<= 1.03 x {reference_mm:g} mm", f"{measured_mm:.4f} mm", verdict)
+    matched = measured_mm <= _MATCHED * reference_mm
+    return target_row(name, f"<= 1.03 x {reference_mm:g} mm", f"{measured_mm:.4f} mm", matched)
 
 
 def _draw_wire_row(folder: Path) -> Row:
     answer = identify(read_campaign(folder / "irb120-drawwire"))
     if answer.model is None or answer.validation is None:
-        return Row("irb120-drawwire", "flags, >= 0.5 mm", answer.status.value, Verdict.FAILED)
+        return target_row("irb120-drawwire", "flags, >= 0.5 mm", answer.status.value, good=False)
     claimed_mm = answer.model.discrepancy_mm
     honest = bool(answer.outliers) and claimed_mm >= 0.5
     measured = f"{len(answer.outliers)} flagged, claims {claimed_mm:.2f} mm"
-    return Row("irb120-drawwire", "flags, >= 0.5 mm", measured, Verdict.PASSED if honest else Verdict.FAILED)
+    return target_row("irb120-drawwire", "flags, >= 0.5 mm", measured, honest)
 
 
 def _speed() -> Section:

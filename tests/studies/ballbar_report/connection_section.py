@@ -3,6 +3,7 @@
 from typing import Final
 
 from tests.studies.ballbar_report.connections import SlipCounts
+from tests.studies.report_command import informing, target_row
 from truepose.reports.table_report import Row, Section, Verdict
 
 _NAMED: Final = {"same": 0.99, "single": 0.95, "exchanged": 0.99}
@@ -11,14 +12,14 @@ _LEGS: Final = 6
 
 def connection_section(counts: SlipCounts) -> Section:
     """Return how often slips are named, and right connections questioned."""
-    n = counts.stops
+    n, against = counts.stops, counts.silent_against_evidence
     rows = (
         _at_least("same pair read twice, named", _NAMED["same"], counts.same_named, n),
         _at_least(
             "single wrong connection, named", _NAMED["single"], counts.single_named, n - counts.single_nowhere
         ),
         _at_least("exchanged pair, both named", _NAMED["exchanged"], counts.exchanged_named, n),
-        _none("stored against the evidence", counts.silent_against_evidence),
+        target_row("stored against the evidence", "0", str(against), not against),
         _told("exchanged pair, the first named when it is read", counts.exchanged_named_at_once, n),
         _told("slips stored without a question", counts.silent, 3 * n - counts.single_nowhere),
         _told("... likelier by the readings than what was asked", counts.silent_likelier, counts.silent),
@@ -38,15 +39,11 @@ def _at_least(figure: str, limit: float, named: int, of: int) -> Row:
     target = f">= {100 * limit:g} %"
     if not of:
         return Row(figure, target, "no stop", Verdict.NOT_MEASURED)
-    return Row(figure, target, _share(named, of), Verdict.PASSED if named >= limit * of else Verdict.FAILED)
-
-
-def _none(figure: str, count: int) -> Row:
-    return Row(figure, "0", str(count), Verdict.FAILED if count else Verdict.PASSED)
+    return target_row(figure, target, _share(named, of), named >= limit * of)
 
 
 def _told(figure: str, count: int, of: int) -> Row:
-    return Row(figure, "", _share(count, of) if of else f"{count} of 0", Verdict.NO_TARGET)
+    return informing(figure, _share(count, of) if of else f"{count} of 0")
 
 
 def _share(count: int, of: int) -> str:

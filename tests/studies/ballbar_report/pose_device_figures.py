@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from tests.studies.report_command import target_row
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import simulated_cell
 from truepose.kinematics.pose_device import (
@@ -15,7 +16,7 @@ from truepose.kinematics.pose_device import (
     points_covariance,
     solve,
 )
-from truepose.reports.table_report import Row, Section, Verdict
+from truepose.reports.table_report import Row, Section
 
 _SIGMA_MM: Final = 0.00051  # a QC20-W, thesis section 3.5
 _TWELVE_MM: Final = np.array([300.0] * 3 + [150.0] * 3 + [300.0] * 6)  # base sides, tool sides, legs
@@ -70,13 +71,14 @@ def _counts() -> tuple[Row, ...]:
     possible = measurable(every, cups, nests)
     found = {"assemblies": (144, every), "measurable": (72, possible), "distinct": (54, distinct(possible))}
     return tuple(
-        _row(name, str(wanted), str(len(got)), len(got) == wanted) for name, (wanted, got) in found.items()
+        target_row(name, str(wanted), str(len(got)), len(got) == wanted)
+        for name, (wanted, got) in found.items()
     )
 
 
 def _axes_row(sigma: FloatArray) -> Row:
     good = bool(np.all(np.abs(sigma - _T1_AXES) < 0.06))  # printed with one decimal, 0.75 as 0.7
-    return _row("T1, per axis", _text(_T1_AXES, 1), _text(sigma, 2), good)
+    return target_row("T1, per axis", _text(_T1_AXES, 1), _text(sigma, 2), good)
 
 
 def _propagated_row(name: str, nest: int, sigma: FloatArray) -> Row:
@@ -84,7 +86,7 @@ def _propagated_row(name: str, nest: int, sigma: FloatArray) -> Row:
     norms = np.linalg.norm(sigma, axis=1)
     digits = 2 if name == "T3" else 3
     good = bool(np.all(np.abs(norms - _TABLE[name]) <= _PRINTED[name]))
-    return _row(
+    return target_row(
         f"{name}, propagated, solutions 1 to 4", _text(_TABLE[name], digits), _text(norms, digits + 1), good
     )
 
@@ -92,7 +94,7 @@ def _propagated_row(name: str, nest: int, sigma: FloatArray) -> Row:
 def _simulated_row(name: str, nest: int, sigma: FloatArray) -> Row:
     norms = np.linalg.norm(sigma, axis=1)
     off = float(np.max(np.abs(norms / _TABLE[name] - 1.0)))
-    return _row(
+    return target_row(
         f"{name}, drawn, farthest from the table",
         "<= 3 %",
         f"{100 * off:.2f} % ({_text(norms, 3)})",
@@ -102,7 +104,3 @@ def _simulated_row(name: str, nest: int, sigma: FloatArray) -> Row:
 
 def _text(values: FloatArray | tuple[float, ...], digits: int) -> str:
     return " ".join(f"{value:.{digits}f}" for value in values)
-
-
-def _row(figure: str, target: str, measured: str, good: bool) -> Row:
-    return Row(figure, target, measured, Verdict.PASSED if good else Verdict.FAILED)

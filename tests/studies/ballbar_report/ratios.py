@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tests.studies.report_command import informing, target_row
 from truepose.reports.table_report import Row, Verdict
 
 
@@ -40,5 +41,5 @@ def ratio_row(figure: str, ratio: Ratio, limit: float | None = None) -> Row:
         verdict = Verdict.NO_TARGET if limit is None else Verdict.NOT_MEASURED
         return Row(figure, target, "no robot", verdict)
     if limit is None:
-        return Row(figure, target, measured, Verdict.NO_TARGET)
-    return Row(figure, target, measured, Verdict.PASSED if ratio.mean <= limit else Verdict.FAILED)
+        return informing(figure, measured)
+    return target_row(figure, target, measured, ratio.mean <= limit)

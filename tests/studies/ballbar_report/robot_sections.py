@@ -8,7 +8,8 @@ import numpy as np
 from tests.studies.ballbar_report.plans import KINDS, PlanKind
 from tests.studies.ballbar_report.ratios import ratio_of, ratio_row
 from tests.studies.ballbar_report.robots import Outcome, Stated, TrueError
-from truepose.reports.table_report import Row, Section, Verdict
+from tests.studies.report_command import informing, target_row
+from truepose.reports.table_report import Row, Section
 
 TILTED: Final = "lrmate-tilted"
 EVERYDAY: Final = "lrmate-everyday"
@@ -42,8 +43,8 @@ def _section(scenario: str, outcomes: Sequence[Outcome]) -> Section:
         if own:
             rows += _rows(scenario, kind, own)
     faults = [f"{one.kind}, seed {one.seed}: {one.fault}" for one in outcomes if one.fault]
-    broken = Row(
-        "sessions that gave no figures", "0", "; ".join([str(len(faults)), *faults[:3]]), _good(not faults)
+    broken = target_row(
+        "sessions that gave no figures", "0", "; ".join([str(len(faults)), *faults[:3]]), not faults
     )
     note = (
         "Mean distances to where the nests truly were, at the tracker's validation positions; a ballbar's "
@@ -66,9 +67,9 @@ def _rows(scenario: str, kind: PlanKind, outcomes: Sequence[Outcome]) -> list[Ro
         *over(_ballbar, _tracker, "tracker", _OVER_TRACKER[scenario, kind.key]),
         *over(_ballbar, lambda one: one.thesis, "thesis", _OVER_THESIS[scenario]),
         *over(_ballbar, lambda one: one.thesis_same_model, "thesis with the same model"),
-        _told(f"{kind.label}: without the thesis' procedure", _without_thesis(outcomes)),
-        _told(f"{kind.label}: mean errors", _means(outcomes)),
-        _told(
+        informing(f"{kind.label}: without the thesis' procedure", _without_thesis(outcomes)),
+        informing(f"{kind.label}: mean errors", _means(outcomes)),
+        informing(
             f"{kind.label}: poses; legs out of range",
             f"{_span(poses)}; {sum(o.out_of_range for o in outcomes)}",
         ),
@@ -120,20 +121,12 @@ def _stated_rows(kind: PlanKind, stated: Sequence[Stated]) -> list[Row]:
     inside = 100.0 * np.mean(scores <= _HALF_WIDTH_95)
     rms = np.sqrt(np.mean(scores**2))
     return [
-        _told(
+        informing(
             f"{kind.label}: parameters off, in stated uncertainties",
             f"RMS {rms:.2f}; {inside:.1f} % within 1.96 ({len(scores)} parameters of {len(stated)} robots)",
         ),
-        _told(
+        informing(
             f"{kind.label}: predicted positions, RMS per axis",
             f"stated {said:.4f}, off {tied:.4f} tied to the cups, {world:.3f} mm in the world",
         ),
     ]
-
-
-def _told(figure: str, measured: str) -> Row:
-    return Row(figure, "", measured, Verdict.NO_TARGET)
-
-
-def _good(good: bool) -> Verdict:
-    return Verdict.PASSED if good else Verdict.FAILED

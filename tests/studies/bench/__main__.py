@@ -5,8 +5,6 @@ readings. Peers live in environments of their own under the output folder, fetch
 fetched, a sentence says so.
 """
 
-import argparse
-import json
 import os
 import platform
 import sys
@@ -21,6 +19,7 @@ from matplotlib.figure import Figure
 from tests.studies.bench import arm, ours
 from tests.studies.bench.environments import PEERS, times_of
 from tests.studies.bench.timing import Timing, timed
+from tests.studies.running import leave, study_options
 
 _SIZES: Final = (50, 1000, 10000)
 _GROWTH: Final = (50, 100, 200, 500, 1000, 2000, 5000, 10000)
@@ -31,7 +30,12 @@ Found = dict[str, dict[str, float | int]]
 
 def main() -> None:
     """Measure, print, write."""
-    options = _options()
+    options = study_options(
+        __doc__,
+        out=Path("out/bench"),
+        without_peers=(False, "fetch nothing"),
+        without_demo=(False, "leave the demo out"),
+    )
     options.out.mkdir(parents=True, exist_ok=True)
     sys.stdout.write(f"{_machine()}\n\n")
     found: Found = {}
@@ -42,15 +46,7 @@ def main() -> None:
     _draw(growth, options.out / "growth.png")
     sys.stdout.write(f"{_machine()}\n")  # the load may be another by now
     document = {"machine": _machine(), "times": found, "growth": growth, "notes": sentences}
-    (options.out / "bench.json").write_text(json.dumps(document, indent=1))
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/bench"))
-    parser.add_argument("--without-peers", action="store_true", help="fetch nothing")
-    parser.add_argument("--without-demo", action="store_true", help="leave the demo out")
-    return parser.parse_args()
+    leave(options.out, "bench", document)
 
 
 def _machine() -> str:

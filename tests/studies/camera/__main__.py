@@ -5,7 +5,6 @@ configurations, a second a seed, and says: true errors where the instrument sees
 space, what the best estimator would be left with, what orientations are worth, and the order of the three.
 """
 
-import argparse
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,9 +25,10 @@ from tests.studies.camera.setups import (
     positions_only,
     setup,
 )
-from tests.studies.report_command import count, shown, status_of
+from tests.studies.report_command import informing, report, target_row
+from tests.studies.running import study_options
 from truepose.identification import identify
-from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+from truepose.reports.table_report import Row, Section
 
 _TARGET_MM: Final = 0.045
 _JUDGED: Final = 300  # configurations, three nests each
@@ -50,19 +50,9 @@ class Calibrated:
 
 def main() -> int:
     """Measure everything, print it, write it; status 1 where a target is missed."""
-    options = _options()
-    sections = shown(_sections(options.seeds, options.configurations))
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_table_report(options.out / "camera.html", "Three setups", sections, simulated=True)
-    return status_of(sections)
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/camera"))
-    parser.add_argument("--seeds", type=count, default=12)
-    parser.add_argument("--configurations", type=count, default=36)
-    return parser.parse_args()
+    options = study_options(__doc__, out=Path("out/camera"), seeds=12, configurations=36)
+    sections = _sections(options.seeds, options.configurations)
+    return report(sections, options.out / "camera.html", "Three setups")
 
 
 def _sections(seeds: int, n: int) -> Iterator[Section]:
@@ -106,7 +96,7 @@ def _section(scenario: str, each: list[Calibrated]) -> Section:
         ratio = float(np.mean([c.seen for c in each]) / np.mean([c.positions_only for c in each]))
         rows += [
             _row("positions only, seen", [c.positions_only for c in each]),
-            Row("orientations used / positions only", "", f"{ratio:.2f}", Verdict.NO_TARGET),
+            informing("orientations used / positions only", f"{ratio:.2f}"),
         ]
     return Section(f"{_NAMES[scenario]}, {len(each)} seeds: mean (median, least to largest)", tuple(rows))
 
@@ -115,17 +105,17 @@ def _row(figure: str, values: list[float], target: float | None = None, unit: st
     mean = float(np.mean(values))
     said = f"{mean:.4f}{unit} ({np.median(values):.4f}, {min(values):.4f} to {max(values):.4f})"
     if target is None:
-        return Row(figure, "", said, Verdict.NO_TARGET)
-    return Row(figure, f"<= {target:g} mm", said, Verdict.PASSED if mean <= target else Verdict.FAILED)
+        return informing(figure, said)
+    return target_row(figure, f"<= {target:g} mm", said, good=mean <= target)
 
 
 def _order(found: dict[str, list[Calibrated]]) -> Section:
     means = {name: float(np.mean([c.everywhere for c in each])) for name, each in found.items()}
     ordered = sorted(means, key=means.__getitem__)
-    as_printed = Verdict.PASSED if ordered == [TRACKER, SPATIAL, FLAT] else Verdict.FAILED
     said = " < ".join(f"{_NAMES[name]} {means[name]:.3f}" for name in ordered)
     target = "tracker 0.146 < spatial 0.149 < flat 0.176"
-    return Section("Order of the setups all over the work space", (Row("mean", target, said, as_printed),))
+    row = target_row("mean", target, said, good=ordered == [TRACKER, SPATIAL, FLAT])
+    return Section("Order of the setups all over the work space", (row,))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.studies.camera.setups import RIGID, Setup, true_nests_mm
+from tests.studies.camera.setups import RIGID, Setup
+from tests.studies.simulated_arms import true_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.identification import Model
@@ -26,7 +27,9 @@ def true_mean_mm(here: Setup, model: Model, joints_rad: FloatArray) -> float:
     """Return the mean error of all three nests at configurations, shape (n, J)."""
     stops, nest = _rows(joints_rad)
     predicted, _ = predict(model, stops, nest)
-    return float(np.linalg.norm(predicted - true_nests_mm(here, joints_rad).reshape(-1, 3), axis=1).mean())
+    return float(
+        np.linalg.norm(predicted - true_nests_mm(here.cell, joints_rad).reshape(-1, 3), axis=1).mean()
+    )
 
 
 def bound_mean_mm(here: Setup, read: Candidates, joints_rad: FloatArray) -> float:

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from tests.studies.simulated_arms import true_nests_mm
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.cell import Camera
@@ -74,17 +75,10 @@ def _unfacing(here: Setup) -> tuple:
     return tuple(replace(nest, facing=None) for nest in here.space.nests)
 
 
-def true_nests_mm(here: Setup, joints_rad: FloatArray) -> FloatArray:
-    """Return where the three nests truly are, shape (n, 3, 3), world."""
-    n = len(joints_rad)
-    stops = here.cell.conditions(joints_rad, np.ones_like(joints_rad), np.zeros(n), np.ones(n))
-    return here.cell.true_positions(stops)
-
-
 def measured(here: Setup, at: Candidates) -> Campaign:
     """Return the campaign of one reading at each configuration."""
     rng = np.random.default_rng((here.seed, 3))
-    true_mm = true_nests_mm(here, at.joints_rad)
+    true_mm = true_nests_mm(here.cell, at.joints_rad)
     true_mm = true_mm + here.cell.scenario.arm.scatter_mm * rng.normal(size=(len(at), 1, 3))
     readings: Callable = _points if here.camera is None else _poses
     return Campaign(

@@ -9,22 +9,26 @@ it ends. Printed and in clusters.json: the status of each command, what it said,
 its results have the bits of one process of this computer.
 """
 
-import argparse
-import json
 import os
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 from tests.studies.archive.recorded import recorded_archive
 from tests.studies.clusters.programs import Answered, Archive
 from tests.studies.clusters.secure_shell import tried_through_ssh
 from tests.studies.clusters.tls import tried_with_tls
+from tests.studies.running import leave, study_options
 
 
 def main() -> int:
     """Try them; status 1 where one that should compute does not, or one that should not does."""
-    options = _options()
+    options = study_options(
+        __doc__,
+        out=Path,
+        campaigns=4,
+        readings=40,
+        sshd=("", "absolute path of a server of SSH; without it SSH is left out"),
+    )
     options.out.mkdir(parents=True)
     campaigns = options.out / "campaigns"
     recorded_archive(campaigns, options.campaigns, options.readings, ["irb120-clean"])
@@ -32,8 +36,7 @@ def main() -> int:
     found = list(map(_told, tried_with_tls(archive, options.out / "tls")))
     if options.sshd:
         found += map(_told, tried_through_ssh(archive, options.out / "ssh", options.sshd))
-    document = {"load": os.getloadavg(), "tried": [asdict(one) for one in found]}
-    (options.out / "clusters.json").write_text(json.dumps(document, indent=1))
+    leave(options.out, "clusters", {"load": os.getloadavg(), "tried": found})
     return 0 if all(map(_as_it_should, found)) else 1
 
 
@@ -48,19 +51,6 @@ def _as_it_should(one: Answered) -> bool:
     if one.what in {"with a certificate", "by SSHCluster", "by dask ssh"}:
         return one.status == 0 and one.same_bits is True
     return one.status == 3 and one.same_bits is None and "Dask" in one.said
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--campaigns", type=int, default=4)
-    parser.add_argument("--readings", type=int, default=40)
-    parser.add_argument(
-        "--sshd", default="", help="absolute path of a server of SSH; without it SSH is left out"
-    )
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

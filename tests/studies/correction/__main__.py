@@ -5,26 +5,23 @@ warm-up), diagnoses it, corrects targets drawn over the work space, and asks the
 physics goes another route, where the tool truly is with and without the correction.
 """
 
-import argparse
 import sys
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tests.studies.running import study_options
+from tests.studies.simulated_arms import of_nest, read_back, true_nests_mm
 from truepose.correction import Goals, correct
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.identification import Model
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose.identification.model.estimates import nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record
-from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -51,7 +48,14 @@ class Proof:
 
 def main() -> int:
     """Print a line per robot and the medians."""
-    options = _options()
+    options = study_options(
+        __doc__,
+        scenario="irb120-everyday",
+        seeds=10,
+        first_seed=1,
+        configurations=300,
+        plain=(False, "identify only, no diagnosis"),
+    )
     proofs = []
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         proofs.append(proof_of(options.scenario, seed, options.configurations, plain=options.plain))
@@ -63,10 +67,7 @@ def main() -> int:
 def proof_of(scenario: str, seed: int, configurations: int, *, plain: bool) -> Proof:
     """Measure, identify and correct one robot, and look where it truly goes."""
     recording = record(load_scenario(scenario).quiet(), seed, RecordingRequest(configurations, 0))
-    with tempfile.TemporaryDirectory() as folder:
-        write_campaign(recording, Path(folder))
-        model = _model(read_campaign(Path(folder)), plain=plain)
-    return _proof(recording.cell, model, seed)
+    return _proof(recording.cell, _model(read_back(recording), plain=plain), seed)
 
 
 def _model(campaign: Campaign, *, plain: bool) -> Model:
@@ -102,9 +103,7 @@ def _drawn(model: Model, seed: int) -> np.ndarray:
 
 
 def _true_mm(cell: Cell, joints_rad: np.ndarray, nest: np.ndarray) -> np.ndarray:
-    n = len(joints_rad)
-    conditions = cell.conditions(joints_rad, np.ones_like(joints_rad), np.full(n, _AFTER_S), np.ones(n))
-    return cell.true_positions(conditions)[np.arange(n), nest - 1]
+    return of_nest(true_nests_mm(cell, joints_rad, _AFTER_S), nest)
 
 
 def _print(name: str, proofs: list[Proof]) -> None:
@@ -117,16 +116,6 @@ def _print(name: str, proofs: list[Proof]) -> None:
         f"within stated 95 %: {100 * coverage:.1f} %\n"
     )
     sys.stdout.flush()
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenario", default="irb120-everyday")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--first-seed", type=int, default=1)
-    parser.add_argument("--configurations", type=int, default=300)
-    parser.add_argument("--plain", action="store_true", help="identify only, no diagnosis")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

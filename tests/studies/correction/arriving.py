@@ -8,19 +8,15 @@ many of these lead the controller to other joints than were solved, and why the 
 same for targets drawn evenly. Ends with 1 where one goes elsewhere.
 """
 
-import argparse
 import sys
 
 from tests.helpers.exchange.drawn_programs import LANGUAGES, tried
+from tests.studies.running import study_options
 
 
 def main(arguments=None):
     """Print a line per language and draw."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--n", type=int, default=5000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--size", type=float, default=1.0, help="of the errors")
-    given = parser.parse_args(arguments)
+    given = study_options(__doc__, arguments, n=5000, seed=1, size=(1.0, "of the errors"))
     elsewhere = 0
     for name, language in LANGUAGES.items():
         for hard in (True, False):

@@ -5,20 +5,16 @@ model by 100 more, then visits targets without and with correction. The figure i
 correction over the model's own held-out error: 1 where correcting costs nothing.
 """
 
-import argparse
 import asyncio
 import sys
 
 from tests.studies.accuracy.measured_cell import prove_in_cell
+from tests.studies.running import study_options
 
 
 def main() -> int:
     """Print a line per cell; status 1 where a proof fails."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenario", default="irb120-tilted")
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--targets", type=int, default=60)
-    options = parser.parse_args()
+    options = study_options(__doc__, scenario="irb120-tilted", seeds=3, targets=60)
     proved = True
     for seed in range(1, options.seeds + 1):
         found, proof = asyncio.run(prove_in_cell(options.scenario, seed, 50, 100, options.targets))

@@ -15,12 +15,13 @@ from typing import Any, Final
 import numpy as np
 
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
+from tests.studies.report_command import target_row
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis, Finding
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.reports.table_report import Row, Section, Verdict
+from truepose.reports.table_report import Row, Section
 
 _SCENARIO: Final = "irb120-curves"
 _HARMONICS: Final = "joint_harmonics"
@@ -106,17 +107,15 @@ def _rows(readings: int, limit: float, campaigns: Iterator[_Seen]) -> Iterator[R
     ratio = float(np.mean([one.rms_mm / one.noise_mm for one in every]))
     covered = float(np.mean([one.covered for one in every]))
     low, high = _COVERED
-    yield _row(f"{readings:,} readings: the joints named, no other", f"{_SEEDS}", f"{named}", named == _SEEDS)
-    yield _row(
+    yield target_row(
+        f"{readings:,} readings: the joints named, no other", f"{_SEEDS}", f"{named}", named == _SEEDS
+    )
+    yield target_row(
         f"{readings:,} readings: held-out RMS over noise", f"<= {limit:g}", f"{ratio:.3f}", ratio <= limit
     )
-    yield _row(
+    yield target_row(
         f"{readings:,} readings: curves within their 95 % band",
         f"{100 * low:g}-{100 * high:g} %",
         f"{100 * covered:.1f} %",
         low <= covered <= high,
     )
-
-
-def _row(figure: str, target: str, measured: str, good: bool) -> Row:
-    return Row(figure, target, measured, Verdict.PASSED if good else Verdict.FAILED)

@@ -7,8 +7,8 @@ from typing import Final
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.planted.planting import Case
-from tests.studies.diagnosis_report.rows import informing
 from tests.studies.diagnosis_report.trials import Trial
+from tests.studies.report_command import informing
 from truepose.reports.table_report import Row
 
 Rows = tuple[Row, ...]

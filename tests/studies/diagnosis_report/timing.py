@@ -15,9 +15,10 @@ from types import MappingProxyType
 from typing import Final
 
 from tests.studies.diagnosis_report.recorder import running_recorder
+from tests.studies.report_command import target_row
 from truepose.diagnosis.diagnose import diagnose
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.reports.table_report import Row, Section, Verdict
+from truepose.reports.table_report import Row, Section
 
 _LIMITS_S: Final = MappingProxyType({100: 1.0, 1_000: 3.0, 10_000: 15.0})
 _PATIENCE: Final = 10.0  # times the limit
@@ -52,10 +53,9 @@ def _row(figure: str, campaign: Path, limit_s: float) -> Row:
             env={**os.environ, **_ONE_CORE},
         )
     except subprocess.TimeoutExpired:
-        return Row(figure, target, f"ended after {patience_s:g} s", Verdict.FAILED)
+        return target_row(figure, target, f"ended after {patience_s:g} s", good=False)
     taken_s = float(done.stdout)
-    verdict = Verdict.PASSED if taken_s <= limit_s else Verdict.FAILED
-    return Row(figure, target, f"{taken_s:.1f} s", verdict)
+    return target_row(figure, target, f"{taken_s:.1f} s", taken_s <= limit_s)
 
 
 def _main(folder: Path) -> None:

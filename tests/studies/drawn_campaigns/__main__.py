@@ -4,19 +4,18 @@
 with its seed, and `--first SEED --n 1` asks about that campaign again. Status 1 where something failed.
 """
 
-import argparse
 import json
 import sys
 from collections import Counter
 from pathlib import Path
 
 from tests.studies.drawn_campaigns.asking import asked_about
+from tests.studies.running import leave, study_options
 
 
 def main() -> int:
     """Ask about the campaigns of so many seeds."""
-    options = _options()
-    options.out.mkdir(parents=True, exist_ok=True)
+    options = study_options(__doc__, n=100, first=0, out=Path("out/drawn"))
     endings, failures = Counter[str](), list[dict[str, object]]()
     for seed in range(options.first, options.first + options.n):
         drawn, asked = asked_about(seed)
@@ -36,17 +35,7 @@ def main() -> int:
 
 
 def _write(out: Path, endings: Counter[str], failures: list[dict[str, object]]) -> None:
-    (out / "drawn.json").write_text(json.dumps({"endings": endings, "failures": failures}, indent=1))
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--n", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=Path("out/drawn"))
-    return parser.parse_args()
+    leave(out, "drawn", {"endings": endings, "failures": failures})
 
 
 if __name__ == "__main__":

@@ -1,10 +1,7 @@
 """One simulated arm, measured in every way that there is: what each session would have brought home."""
 
-import json
-import tempfile
 from collections.abc import Callable, Mapping
 from functools import cache
-from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
@@ -12,8 +9,8 @@ from tests.studies.ballbar_report.plans import plan_document
 from tests.studies.camera.setups import FLAT, TRACKER, measured, planned, setup
 from tests.studies.loops.held_out import Truth
 from tests.studies.loops.recorded import truth_of
+from tests.studies.simulated_arms import read_back
 from truepose.domain.campaign import Campaign
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose_simulators.recording import RecordingRequest, record
@@ -22,7 +19,7 @@ from truepose_simulators.recording.ballbars.campaign import (
     record_ballbar,
     write_ballbar_campaign,
 )
-from truepose_simulators.recording.ballbars.plan import read_plan
+from truepose_simulators.recording.ballbars.plan import BallbarPlan, plan_from
 from truepose_simulators.recording.closed_loop_campaign import LoopRecordingRequest, record_loop, write_loop
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -45,30 +42,23 @@ def _by_instrument(scenario: str) -> Measure:
 
 def _by_loop(kind: str) -> Measure:
     def measure(seed: int) -> Campaign:
-        with tempfile.TemporaryDirectory() as folder:
-            write_loop(
-                record_loop(load_scenario(TRACKER), seed, LoopRecordingRequest(kind, _STOPS)), Path(folder)
-            )
-            return read_campaign(Path(folder))
+        wishes = LoopRecordingRequest(kind, _STOPS)
+        return read_back(record_loop(load_scenario(TRACKER), seed, wishes), write_loop)
 
     return measure
 
 
 def _by_ballbar(seed: int) -> Campaign:
-    with tempfile.TemporaryDirectory() as folder:
-        plan = Path(folder) / "plan.json"
-        plan.write_text(_ballbar_plan(), encoding="utf-8")
-        wishes = BallbarRecordingRequest(aimed=True)
-        recording = record_ballbar(load_scenario(TRACKER), seed, read_plan(plan), wishes)
-        write_ballbar_campaign(recording, Path(folder))
-        return read_campaign(Path(folder))
+    wishes = BallbarRecordingRequest(aimed=True)
+    recording = record_ballbar(load_scenario(TRACKER), seed, _plan_of_ballbar(), wishes)
+    return read_back(recording, write_ballbar_campaign)
 
 
 @cache
-def _ballbar_plan() -> str:
+def _plan_of_ballbar() -> BallbarPlan:
     """Return the plan of all arms: it knows the nominal one only."""
     plan = ballbar_plan(simulated_cell(TRACKER, 0), poses=_BALLBAR_POSES)
-    return json.dumps(plan_document(plan))
+    return plan_from(plan_document(plan), "the plan")
 
 
 WAYS: Final[Mapping[str, Measure]] = MappingProxyType({

@@ -5,10 +5,8 @@ fleets are kept in the folder, so that a study that was interrupted goes on.
 """
 
 import argparse
-import json
 import pickle
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +14,7 @@ import numpy as np
 from tests.studies.fleet.held import Held, held
 from tests.studies.fleet.newcomers import NewRobot, Promises, newcomers, promised
 from tests.studies.fleet.simulated import FleetTruth, draw_fleet, identified_fleet
+from tests.studies.running import leave, study_options
 from truepose.fleet.campaigns import FleetCampaign, fleet_of
 from truepose.fleet.changes import account_of
 
@@ -24,7 +23,16 @@ _WITHOUT_FROM = 100  # seeds of fleets in which nothing ages
 
 def main() -> int:
     """Measure, print and write."""
-    options = _options()
+    options = study_options(
+        __doc__,
+        out=Path,
+        fleets=(20, "in which nothing ages"),
+        ageing=(10, "in which three robots and a tracker do"),
+        first=(1, "seed of the first fleet of either kind"),
+        robots=40,
+        configurations=(40, "of each campaign"),
+        new=(10, "new robots of each ageing fleet"),
+    )
     options.out.mkdir(parents=True, exist_ok=True)
     fleets: list[Held] = []
     new: list[NewRobot] = []
@@ -41,20 +49,6 @@ def main() -> int:
         _written(options.out, fleets, new, promises)
     sys.stdout.write(_told(fleets, new, promises))
     return 0
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--fleets", type=int, default=20, help="in which nothing ages")
-    parser.add_argument("--ageing", type=int, default=10, help="in which three robots and a tracker do")
-    parser.add_argument("--first", type=int, default=1, help="seed of the first fleet of either kind")
-    parser.add_argument("--robots", type=int, default=40)
-    parser.add_argument("--configurations", type=int, default=40, help="of each campaign")
-    parser.add_argument("--new", type=int, default=10, help="new robots of each ageing fleet")
-    return parser.parse_args()
 
 
 def _studied(
@@ -83,12 +77,7 @@ def _identified(
 
 
 def _written(out: Path, fleets: list[Held], new: list[NewRobot], promises: list[Promises]) -> None:
-    document = {
-        "fleets": [asdict(one) for one in fleets],
-        "new_robots": [asdict(one) for one in new],
-        "promises": [asdict(one) for one in promises],
-    }
-    (out / "fleet.json").write_text(json.dumps(document, indent=1))
+    leave(out, "fleet", {"fleets": fleets, "new_robots": new, "promises": promises})
 
 
 def _told(fleets: list[Held], new: list[NewRobot], promises: list[Promises]) -> str:

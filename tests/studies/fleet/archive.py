@@ -4,7 +4,6 @@
 twelve simulated robots in six months. `--steady` writes them without any change.
 """
 
-import argparse
 import json
 import sys
 from collections.abc import Iterable
@@ -21,6 +20,7 @@ from tests.studies.fleet.simulated import (
     draw_new,
     record_robot,
 )
+from tests.studies.running import study_options
 from truepose.exchange.campaigns.folder import write_campaign
 
 FIRST = date(2026, 3, 2)
@@ -28,7 +28,15 @@ FIRST = date(2026, 3, 2)
 
 def main() -> int:
     """Write, and say what was planted."""
-    options = _options()
+    options = study_options(
+        __doc__,
+        out=Path,
+        seed=1,
+        robots=12,
+        configurations=(40, "of each campaign"),
+        ageing=(2, "robots; a tracker drifts besides"),
+        steady=(False, "nothing changes"),
+    )
     fleet = written_fleet(
         options.out / "campaigns",
         options.seed,
@@ -79,19 +87,6 @@ def _sign(file: Path, robot: str, instrument: str, day: date) -> None:
         "measured_on": day.isoformat(),
     }
     file.write_text(json.dumps(document | said, indent=1), encoding="utf-8")
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--robots", type=int, default=12)
-    parser.add_argument("--configurations", type=int, default=40, help="of each campaign")
-    parser.add_argument("--ageing", type=int, default=2, help="robots; a tracker drifts besides")
-    parser.add_argument("--steady", action="store_true", help="nothing changes")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -6,11 +6,9 @@ causes grown by what was asked, in turn and in a phase drawn by chance, and with
 by what the robot is known to be after its last campaign, every other cause being free to have grown as well.
 """
 
-import argparse
-import json
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +16,7 @@ import numpy as np
 
 from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_fleet, identified_fleet
 from tests.studies.promise.tracker import recorded_stops
+from tests.studies.running import leave, study_options
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.campaigns import effects_of_robot, fleet_of, information_of
@@ -72,15 +71,22 @@ class Planned:
 
 def main() -> int:
     """Measure, print and write."""
-    options = _options()
-    options.out.mkdir(parents=True, exist_ok=True)
+    options = study_options(
+        __doc__,
+        out=Path,
+        fleets=5,
+        first=1,
+        robots=12,
+        growth=(0.05, "mm"),
+        each=(6, "times that each cause grows"),
+    )
     found: list[Checked] = []
     for seed in range(options.first, options.first + options.fleets):
         plan = _planned(seed, options.robots, options.growth)
         rng = np.random.default_rng([seed, 19])
         found += _measured(plan, rng, options.growth, options.each)
         sys.stderr.write(f"fleet {seed}: {len(plan.check.nest)} configurations, {len(found)} checks\n")
-        (options.out / "checked.json").write_text(json.dumps([asdict(one) for one in found]))
+        leave(options.out, "checked", found)
     sys.stdout.write(_told(found))
     return 0
 
@@ -153,19 +159,6 @@ def _told_at(found: list[Checked], causes: list[str], what: str, level: float) -
 
 def _share(grown: list[Checked], cause: str, level: float) -> float:
     return float(np.mean([one.chance[cause] <= level for one in grown if one.grown == cause]))
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--fleets", type=int, default=5)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--robots", type=int, default=12)
-    parser.add_argument("--growth", type=float, default=0.05, help="mm")
-    parser.add_argument("--each", type=int, default=6, help="times that each cause grows")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

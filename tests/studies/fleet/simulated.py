@@ -6,16 +6,14 @@ real robot shows it; of the two trackers one may drift in its lengths. Campaigns
 and are read back from their files, as any campaign.
 """
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tests.studies.simulated_arms import read_back
 from truepose.domain.campaign import Campaign, Stops
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.fleet.campaigns import FleetCampaign, information_of
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
@@ -24,7 +22,7 @@ from truepose_simulators.physics.effects.backlash import MEASURED_GAPS_DEG
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.physics.true_robot import draw_motions
-from truepose_simulators.recording import RecordingRequest, write_campaign
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.plan import plan_stops
 from truepose_simulators.scenarios.file import load_scenario
@@ -210,10 +208,7 @@ def new_cell(robot: RobotTruth, seed: int) -> Cell:
 
 def campaign_of(cell: Cell, wishes: RecordingRequest) -> Campaign:
     """Return the campaign of a cell, read back from its files."""
-    recording, _ = record_in(cell, wishes)
-    with tempfile.TemporaryDirectory() as folder:
-        write_campaign(recording, Path(folder))
-        return read_campaign(Path(folder))
+    return read_back(record_in(cell, wishes)[0])
 
 
 def unseen(robot: RobotTruth, seed: int, count: int) -> tuple[Stops, np.ndarray, FloatArray]:

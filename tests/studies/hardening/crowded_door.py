@@ -6,20 +6,20 @@ Each health, pause and abort comes over a connection of its own, as that of some
 page.
 """
 
-import argparse
 import asyncio
 import contextlib
 import json
 import sys
 import tempfile
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
 import numpy as np
 
 from tests.studies.hardening.giant_upload import ROWS, _listener, _resident_mb, _sent, giant_zip
+from tests.studies.running import leave, study_options
 
 _EVERY_S = 0.05
 _PATIENCE_S = 60.0
@@ -165,17 +165,20 @@ async def crowded(folder, name, archive, *, silent, slow, uploads, asked, second
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    for name, number in (("silent", 1100), ("slow", 500), ("uploads", 4), ("rows", ROWS), ("runs", 1)):
-        parser.add_argument(f"--{name}", type=int, default=number)
-    parser.add_argument("--asked", type=int, default=200, help="How often for health before the pause.")
-    parser.add_argument("--seconds", type=float, default=60.0, help="How long the crowd stays.")
-    options = parser.parse_args()
+    options = study_options(
+        __doc__,
+        out=Path,
+        silent=1100,
+        slow=500,
+        uploads=4,
+        rows=ROWS,
+        runs=1,
+        asked=(200, "How often for health before the pause."),
+        seconds=(60.0, "How long the crowd stays."),
+    )
     options.out.mkdir(parents=True, exist_ok=True)
     found = asyncio.run(_runs(options))
-    document = json.dumps([asdict(one) for one in found], indent=1)
-    (options.out / "crowded_door.json").write_text(document)
+    leave(options.out, "crowded_door", found)
     sys.stdout.writelines(f"{_told(one)}\n" for one in found)
 
 

@@ -7,7 +7,6 @@ reading a request and of ten alternate. At the end every reading that was answer
 take two minutes.
 """
 
-import argparse
 import asyncio
 import json
 import os
@@ -16,12 +15,13 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
 
 from tests.helpers.postgresql.server import own_server, programs
+from tests.studies.running import leave, study_parser
 
 CORE = 0
 ROUNDS = 3
@@ -179,12 +179,7 @@ def _shown(found):
 
 def main():
     """Run the study."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--seconds", type=float, default=8, help="of each round")
-    parser.add_argument("--clients", type=int, default=16)
+    parser = study_parser(__doc__, out=Path, seconds=(8.0, "of each round"), clients=16)
     parser.add_argument("--database", help="the default: a new file in DIR, and a server of its own")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -193,7 +188,7 @@ def main():
     asked = nullcontext([options.database]) if options.database else _databases(options.out)
     with asked as urls:
         found = [one for url in urls for one in _shown(delivered(url, options.clients, options.seconds))]
-    (options.out / "delivered_readings.json").write_text(json.dumps([asdict(one) for one in found], indent=1))
+    leave(options.out, "delivered_readings", found)
 
 
 if __name__ == "__main__":

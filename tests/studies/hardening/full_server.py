@@ -7,16 +7,14 @@ deliveries are refused, and makes room. A server that ends, as it does where its
 again, as a service manager would.
 """
 
-import argparse
 import asyncio
 import contextlib
-import json
 import os
 import shutil
 import sys
 import tempfile
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import httpx
@@ -27,6 +25,7 @@ from tests.studies.plant_kills.__main__ import WITHOUT_INSTRUMENTS
 from tests.studies.plant_kills.compared import kept_readings, read_acknowledged
 from tests.studies.plant_kills.delivering import Acknowledged, Sender, deliver
 from tests.studies.plant_kills.services import KilledService, ServedCell
+from tests.studies.running import leave, study_options
 from truepose.storage.integrity.verification import verify_left_at
 
 _LARGEST = 256 * 2**20  # of a file system that is filled
@@ -168,14 +167,8 @@ def told(found: Filled) -> str:
 
 def main() -> int:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--runs", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--only-log", action="store_true", help="the server's data are elsewhere")
-    wanted = parser.parse_args()
+    only_log = (False, "the server's data are elsewhere")
+    wanted = study_options(__doc__, out=Path, runs=10, seed=0, only_log=only_log)
     disk = wanted.out.resolve()
     if shutil.disk_usage(disk).total > _LARGEST:
         raise SystemExit(f"{disk} is on a file system that is too large to be filled.")
@@ -187,7 +180,7 @@ def main() -> int:
         )
     for place in ("data", "log"):
         shutil.rmtree(disk / place, ignore_errors=True)
-    (disk / "full_server.json").write_text(json.dumps(asdict(found), indent=1))
+    leave(disk, "full_server", found)
     sys.stdout.write(told(found))
     return 0 if not found.lost + found.findings + found.unsaid else 1
 

@@ -4,21 +4,20 @@
 then four at once, to a service on a simulated cell, and asks for its health all the while.
 """
 
-import argparse
 import asyncio
 import contextlib
 import io
-import json
 import sys
 import time
 import zipfile
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
 import numpy as np
 
 from tests.helpers.identification.synthetic import nominal_campaign
+from tests.studies.running import leave, study_options
 from truepose.demo.processes import SimulatedService, running_service
 from truepose.exchange.campaigns.folder import campaign_files
 
@@ -130,16 +129,10 @@ async def study(folder, rows=ROWS, runs=1, seed=0):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--rows", type=int, default=ROWS)
-    parser.add_argument("--runs", type=int, default=1)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
+    options = study_options(__doc__, out=Path, rows=ROWS, runs=1, seed=0)
     options.out.mkdir(parents=True, exist_ok=True)
     found, size = asyncio.run(study(options.out, options.rows, options.runs, options.seed))
-    document = {"rows": options.rows, "archive_bytes": size, "crowds": [asdict(one) for one in found]}
-    (options.out / "giant_upload.json").write_text(json.dumps(document, indent=1))
+    leave(options.out, "giant_upload", {"rows": options.rows, "archive_bytes": size, "crowds": found})
     sys.stdout.write(f"{options.rows} rows, a zip of {size / _MB:.1f} MB\n{_HEAD}\n")
     sys.stdout.writelines(f"{_line(one)}\n" for one in found)
 

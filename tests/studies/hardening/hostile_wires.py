@@ -6,12 +6,10 @@ each driver so many times over a line that spoils an answer (`hostile`), and let
 link (`link_faults`). Time is simulated, so nobody waits.
 """
 
-import argparse
-import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
+from tests.studies.running import leave, study_parser
 from truepose_drivers.contract import codec_fuzz, hostile, link_recovery
 from truepose_drivers.contract.bench import find_benches
 
@@ -34,12 +32,14 @@ def table(tallies, columns):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--bytes", type=int, default=hostile.QUICK_INPUTS, help="hostile inputs to a codec")
-    parser.add_argument("--runs", type=int, default=hostile.QUICK_INPUTS, help="answers spoiled")
-    parser.add_argument("--faults", type=int, default=link_recovery.FAULTS_EACH, help="faults of each link")
-    parser.add_argument("--seed", type=int, default=0)
+    parser = study_parser(
+        __doc__,
+        out=Path,
+        bytes=(hostile.QUICK_INPUTS, "hostile inputs to a codec"),
+        runs=(hostile.QUICK_INPUTS, "answers spoiled"),
+        faults=(link_recovery.FAULTS_EACH, "faults of each link"),
+        seed=0,
+    )
     parser.add_argument("--driver", action="append", help="only this one; may be repeated")
     options = parser.parse_args()
     benches = list(find_benches([_EVERY], options.driver).values())
@@ -48,16 +48,9 @@ def main():
     links = [link_recovery.tally(bench, options.faults, options.seed) for bench in benches]
     lines = [*table(codecs, _OF_CODECS), "", *table(tallies, _COLUMNS), "", *map(link_recovery.line, links)]
     sys.stdout.writelines(f"{line}\n" for line in lines)
-    options.out.mkdir(parents=True, exist_ok=True)
-    document = {
-        "bytes": options.bytes,
-        "runs": options.runs,
-        "seed": options.seed,
-        "codecs": [asdict(tally) for tally in codecs],
-        "drivers": [asdict(tally) for tally in tallies],
-        "links": [asdict(tally) for tally in links],
-    }
-    (options.out / "hostile_wires.json").write_text(json.dumps(document, indent=1))
+    found = {"codecs": codecs, "drivers": tallies, "links": links}
+    asked = {"bytes": options.bytes, "runs": options.runs, "seed": options.seed}
+    leave(options.out, "hostile_wires", asked | found)
 
 
 if __name__ == "__main__":

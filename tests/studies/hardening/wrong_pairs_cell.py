@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tests.studies.simulated_arms import true_nests_mm
 from truepose.domain.cell import BallbarKit
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
@@ -49,9 +50,7 @@ class TrueRobot:
         return {(a, b): float(np.linalg.norm(cups[a] - cups[b])) for a in cups for b in cups if a < b}
 
     def _nests(self, joints_rad):
-        joints = np.array(joints_rad)
-        directions, n = np.ones_like(joints), len(joints)
-        return self._cell.true_positions(self._cell.conditions(joints, directions, np.zeros(n), np.ones(n)))
+        return true_nests_mm(self._cell, np.array(joints_rad))
 
 
 class Gauge:

@@ -7,7 +7,6 @@ that got no answer, with its key. After each start: no acknowledged entry is mis
 step is the one that was shown, and nothing has moved without a confirmation.
 """
 
-import argparse
 import asyncio
 import contextlib
 import json
@@ -23,6 +22,7 @@ import numpy as np
 
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
 from tests.studies.interruptions.ledger_check import Entry, Faults, faults
+from tests.studies.running import study_parser
 from truepose.demo.simulated_operator import SimulatedOperator
 
 _ALIVE_S: Final = (0.02, 2.0)  # how long the service lives between a start and a kill
@@ -174,11 +174,7 @@ def report(tally: Tally) -> dict[str, Any]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; exit status 1 where anything was lost, doubled or moved."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--kills", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--poses", type=int, default=20)
-    parser.add_argument("--scenario", default="lrmate-tilted")
+    parser = study_parser(__doc__, kills=200, seed=0, poses=20, scenario="lrmate-tilted")
     parser.add_argument("--database", help="URL; by default a file in the folder")
     parser.add_argument("--out", type=Path, help="folder for interruptions.json, the database and the logs")
     wanted = parser.parse_args(arguments)

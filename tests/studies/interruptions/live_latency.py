@@ -7,7 +7,6 @@ calibrator, and tablets that follow it. Each sample carries when the driver had 
 until a tablet had read and parsed it.
 """
 
-import argparse
 import asyncio
 import json
 import sys
@@ -21,6 +20,7 @@ import httpx
 import numpy as np
 
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
+from tests.studies.running import study_options
 from truepose.demo.simulated_operator import SimulatedOperator
 
 LIMIT_MS: Final = 150.0  # at the 95th percentile
@@ -87,11 +87,7 @@ def _figures(of_tablets: Sequence[Sequence[float]], seconds: float) -> dict[str,
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; exit status 1 where the lengths come too late."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--seconds", type=float, default=30.0)
-    parser.add_argument("--tablets", type=int, default=2)
-    parser.add_argument("--scenario", default="irb120-tilted")
-    wanted = parser.parse_args(arguments)
+    wanted = study_options(__doc__, arguments, seconds=30.0, tablets=2, scenario="irb120-tilted")
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         figures = asyncio.run(measure(wanted.seconds, wanted.tablets, Path(folder), wanted.scenario))
     sys.stdout.write(json.dumps(figures, indent=1) + "\n")

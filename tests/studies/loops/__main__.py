@@ -13,13 +13,14 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.loops.held_out import HeldOut
+from tests.studies.loops.held_out import HeldOut, errors_of, promise_ratio
 from tests.studies.loops.planned import attained, planned
 from tests.studies.loops.recorded import TRACKER, calibrated
-from tests.studies.report_command import shown, status_of
+from tests.studies.report_command import informing, report, target_row
+from tests.studies.running import study_parser
 from truepose.domain.identification import NotIdentifiable
 from truepose.messages.catalogue import english
-from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+from truepose.reports.table_report import Row, Section, Verdict
 from truepose_simulators.recording.closed_loops import LOOPS
 
 _ALL: Final = (*LOOPS, TRACKER)
@@ -35,22 +36,11 @@ _BY_CONSTRUCTION: Final = frozenset({
 
 def main() -> int:
     """Measure everything, print it, write it; status 1 where a promise is not kept."""
-    options = _options()
-    sections = shown(_sections(options))
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_table_report(options.out / "loops.html", "Closed loops", sections, simulated=True)
-    return status_of(sections)
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/loops"))
-    parser.add_argument("--scenario", default="lrmate-tilted")
-    parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--stops", type=int, default=100)
+    parser = study_parser(__doc__, out=Path("out/loops"), scenario="lrmate-tilted", seeds=20, stops=100)
     parser.add_argument("--loops", nargs="+", choices=_ALL, default=[*_ALL])
     parser.add_argument("--planned", nargs="*", default=["two-spheres", "tilted-plane", "gauges", "wires"])
-    return parser.parse_args()
+    options = parser.parse_args()
+    return report(_sections(options), options.out / "loops.html", "Closed loops")
 
 
 def _sections(options: argparse.Namespace) -> Iterator[Section]:
@@ -71,38 +61,30 @@ def _kept(scenario: str, kind: str, seeds: int) -> Section:
     plan = planned(scenario, kind, None)
     arms = [attained(scenario, seed, kind, plan) for seed in range(1, seeds + 1)]
     mean, promised = float(np.mean([arm.mean_mm for arm in arms])), plan.promised.mean_mm
-    low, high = _KEPT
-    verdict = Verdict.PASSED if low <= mean / promised <= high else Verdict.FAILED
     rows = (
         Row("mean error", f"{promised:.4f} mm promised", f"{mean:.4f} mm", Verdict.NO_TARGET),
-        Row("error / promise", f"{low:g} to {high:g}", f"{mean / promised:.2f}", verdict),
+        _promise_kept(mean / promised),
     )
     return Section(f"{kind} as planned: {len(plan.joints_rad)} stops, {seeds} arms", rows)
 
 
-def _figures(arms: list[HeldOut], kind: str) -> Iterator[Row]:
-    nominal, mean, promised = (
-        float(np.mean([getattr(arm, name) for arm in arms]))
-        for name in ("nominal_mm", "mean_mm", "promised_mm")
-    )
-    worst, ratio = max(arm.worst_mm for arm in arms), mean / promised
-    yield Row("nominal arm, mean error", "", f"{nominal:.3f} mm", Verdict.NO_TARGET)
-    yield Row("calibrated, mean error", "", f"{mean:.4f} mm", Verdict.NO_TARGET)
-    yield Row("calibrated, worst of all arms", "", f"{worst:.3f} mm", Verdict.NO_TARGET)
-    yield Row("promised, mean error", "", f"{promised:.4f} mm", Verdict.NO_TARGET)
+def _promise_kept(ratio: float) -> Row:
     low, high = _KEPT
-    if kind in _HELD_BY_PRIORS:
-        yield Row("error / promise", "", f"{ratio:.2f}", Verdict.NO_TARGET)
-        return
-    verdict = Verdict.PASSED if low <= ratio <= high else Verdict.FAILED
-    yield Row("error / promise", f"{low:g} to {high:g}", f"{ratio:.2f}", verdict)
+    return target_row("error / promise", f"{low:g} to {high:g}", f"{ratio:.2f}", good=low <= ratio <= high)
+
+
+def _figures(arms: list[HeldOut], kind: str) -> Iterator[Row]:
+    yield from errors_of(arms)
+    ratio = promise_ratio(arms)
+    held = kind in _HELD_BY_PRIORS
+    yield informing("error / promise", f"{ratio:.2f}") if held else _promise_kept(ratio)
 
 
 def _left_open(arms: list[HeldOut]) -> Iterator[Row]:
     """Yield what most arms leave open besides what no closed loop sees."""
     named = Counter(_said(entry) for arm in arms for entry in _own(arm))
     for sentence, times in named.most_common(6):
-        yield Row("left open", "", f"{times} of {len(arms)}: {sentence}", Verdict.NO_TARGET)
+        yield informing("left open", f"{times} of {len(arms)}: {sentence}")
 
 
 def _own(arm: HeldOut) -> Iterator[NotIdentifiable]:

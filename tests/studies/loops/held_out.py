@@ -3,10 +3,12 @@
 Neither knows where the base stands: positions are compared after the rigid motion that brings them closest.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from tests.studies.report_command import informing
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.identification import Identification
@@ -15,6 +17,7 @@ from truepose.identification.model.derivatives import place_jacobian
 from truepose.identification.model.estimates import Estimate, identified_estimate, nominal_estimate
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.kinematics.frames import rigid_alignment
+from truepose.reports.table_report import Row
 
 _DRAWN = 200  # parameters from their covariance: the mean error is known to 3 % then
 
@@ -28,6 +31,20 @@ class HeldOut:
     worst_mm: float
     promised_mm: float  # mean
     answer: Identification
+
+
+def errors_of(arms: Sequence[HeldOut]) -> Iterator[Row]:
+    """Yield the errors of many arms as rows of a table."""
+    yield informing("nominal arm, mean error", f"{np.mean([arm.nominal_mm for arm in arms]):.3f} mm")
+    yield informing("calibrated, mean error", f"{np.mean([arm.mean_mm for arm in arms]):.4f} mm")
+    yield informing("calibrated, worst of all arms", f"{max(arm.worst_mm for arm in arms):.3f} mm")
+    yield informing("promised, mean error", f"{np.mean([arm.promised_mm for arm in arms]):.4f} mm")
+
+
+def promise_ratio(arms: Sequence[HeldOut]) -> float:
+    """Return the mean error of many arms over what they promise."""
+    mean, promised = (np.mean([getattr(arm, name) for arm in arms]) for name in ("mean_mm", "promised_mm"))
+    return float(mean / promised)
 
 
 @dataclass(frozen=True, slots=True)

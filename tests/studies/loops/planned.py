@@ -1,16 +1,14 @@
 """Closed loops at planned stops: whether what a plan promises is what the simulated cell attains."""
 
-import tempfile
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from tests.studies.loops.held_out import HeldOut, held_out
 from tests.studies.loops.recorded import truth_of
+from tests.studies.simulated_arms import read_back
 from truepose.domain.campaign import TargetDistances
 from truepose.domain.contacts import Target, TargetKind
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.contacts.loop_configurations import LoopPlanRequest
 from truepose.planning.contacts.loop_prediction import promised_loop
@@ -60,7 +58,4 @@ def attained(scenario: str, seed: int, kind: str, plan: PromisedPlan) -> HeldOut
     first = np.array([numbers[0] - 1 for numbers in plan.targets])
     stands = LoopConfigurations(np.degrees(plan.joints_rad).round(5), plan.nest, first)
     recording = record_loop(load_scenario(scenario), seed, LoopRecordingRequest(kind, validation=10), stands)
-    with tempfile.TemporaryDirectory() as folder:
-        write_loop(recording, Path(folder))
-        campaign = read_campaign(Path(folder))
-    return held_out(campaign, truth_of(recording.cell, recording.points.stops))
+    return held_out(read_back(recording, write_loop), truth_of(recording.cell, recording.points.stops))

@@ -8,7 +8,6 @@ at random moments, with a person who confirms whatever is asked. Whoever moves t
 where the ballbar is.
 """
 
-import argparse
 import asyncio
 import json
 import sys
@@ -17,15 +16,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 
 from tests.studies.lost_signals.session import Seen, session
+from tests.studies.running import study_options
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; exit status 1 where the arm moved with the ballbar attached, or never."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--sessions", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0, help="of the first session")
-    parser.add_argument("--processes", type=int, default=2)
-    given = parser.parse_args(arguments)
+    given = study_options(__doc__, arguments, sessions=300, seed=(0, "of the first session"), processes=2)
     seeds = range(given.seed, given.seed + given.sessions)
     whole = Seen()
     if given.processes == 1:

@@ -6,7 +6,6 @@ Everything is done as a user does it: by commands, over REST and in a browser. W
 is what may happen; each step says what the manager sees and how long it took. The pages are kept as pictures.
 """
 
-import argparse
 import asyncio
 import os
 import shutil
@@ -26,6 +25,7 @@ from tests.studies.managers_day.keeping import lose_the_plants_database, stop_th
 from tests.studies.managers_day.pages import looking
 from tests.studies.managers_day.plants import PlantAtWork
 from tests.studies.managers_day.setting_up import both_measure, closing_time, set_up
+from tests.studies.running import study_options
 
 _STEPS = (
     set_up,
@@ -64,11 +64,7 @@ async def walk(folder: Path, out: Path, diary: Diary) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    out = parser.parse_args(arguments).out
+    out = study_options(__doc__, arguments, out=Path).out
     out.mkdir(parents=True, exist_ok=True)
     diary = Diary()
     with tempfile.TemporaryDirectory(prefix="managers-day-") as folder:

@@ -22,6 +22,7 @@ from pathlib import Path
 from tests.helpers.checkout import CHECKOUT
 from tests.studies.mutants.functions import RAN
 from tests.studies.mutants.mutations import KINDS, Mutation, mutations_of
+from tests.studies.running import leave, study_options
 
 _COPIED = ("service", "drivers", "simulators", "tests", "migrations", "docs")
 _UNIT_TESTS = Path("tests/unit/service")
@@ -30,16 +31,18 @@ _LIMIT_S = 900.0  # for a mutant that goes round in circles
 
 def main() -> None:
     """Draw, try, and say what was seen."""
-    options = _options()
-    options.out.mkdir(parents=True, exist_ok=True)
-    told = []
+    rooms = sorted(path.name for path in (CHECKOUT / _UNIT_TESTS).glob("[a-z]*/"))
+    options = study_options(
+        __doc__, out=Path, mutants=400, seed=1, rooms=",".join(rooms), kinds=",".join(KINDS)
+    )
+    out, told = options.out.resolve(), []
     with tempfile.TemporaryDirectory() as copy:
         _copy_to(Path(copy))
         os.chdir(copy)
         for room, drawn in _drawn(options).items():
             ran = _learnt(room)
             told += [_tried(mutation, ran) for mutation in drawn]
-    (options.out / "mutants.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    leave(out, "mutants", told)
     for kind in ("all", *KINDS):
         found = Counter(trial["found"] for trial in told if kind in {"all", trial["kind"]})
         sys.stdout.write(f"{kind}: {found['seen']} of {found.total()} seen, {found['not run']} not run\n")
@@ -101,19 +104,6 @@ def _status(*asked: str) -> int:
     once = {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *asked]
     return subprocess.run(command, env=os.environ | once, capture_output=True, timeout=_LIMIT_S).returncode
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    rooms = sorted(path.name for path in (CHECKOUT / _UNIT_TESTS).glob("[a-z]*/"))
-    parser.add_argument("--out", type=lambda given: Path(given).resolve(), required=True)
-    parser.add_argument("--mutants", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--rooms", default=",".join(rooms))
-    parser.add_argument("--kinds", default=",".join(KINDS))
-    return parser.parse_args()
 
 
 main()

@@ -3,7 +3,6 @@
 python -m tests.studies.pages --out out/pages
 """
 
-import argparse
 import json
 import os
 import shutil
@@ -18,6 +17,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from tests.browser.pages.house import OF_LINKS, SIGNED_IN, open_house
 from tests.browser.pages.looks import LOOKS, Traffic
 from tests.browser.pages.shop import open_shop, pages
+from tests.studies.running import leave, study_options
 
 _SIZES: Final = {"tablet": (1180, 820), "desktop": (1440, 900), "phone": (390, 844)}
 _SLOWER: Final = 4.0  # a tablet of the hall against this computer
@@ -75,10 +75,7 @@ def every_page(folder: Path) -> Iterator[tuple[str, str, list[Any]]]:
 
 def main() -> None:
     """Measure and photograph every page of a shop."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--no-pictures", action="store_true")
-    asked = parser.parse_args()
+    asked = study_options(__doc__, out=Path, no_pictures=False)
     asked.out.mkdir(parents=True, exist_ok=True)
     path = shutil.which("chromium-headless-shell") or shutil.which("chromium")
     found = {}
@@ -93,7 +90,7 @@ def main() -> None:
                     page.context.add_cookies(cookies)
                     photographed(page, address, asked.out / (name.strip("/").replace("/", "-") or "cell"))
         browser.close()
-    (asked.out / "pages.json").write_text(json.dumps(found, indent=2) + "\n")
+    leave(asked.out, "pages", found)
 
 
 if __name__ == "__main__":

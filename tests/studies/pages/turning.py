@@ -6,7 +6,6 @@ A machine without a graphics processor draws them on its processor, which a tabl
 costs the page and what it costs the drawing is said apart, in CPU time that other programs do not change.
 """
 
-import argparse
 import json
 import os
 import re
@@ -20,6 +19,7 @@ from typing import Any, Final
 from playwright.sync_api import Page, sync_playwright
 
 from tests.browser.pages.shop import open_shop
+from tests.studies.running import leave, study_options
 
 _SLOWER: Final = 4.0
 _SECONDS: Final = 3.0
@@ -77,10 +77,7 @@ def turned(page: Page, slower: float) -> dict[str, Any]:
 
 def main() -> None:
     """Turn both kinds of pictures, on screens of one and of two pixels to the page's."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    asked.out.mkdir(parents=True, exist_ok=True)
+    asked = study_options(__doc__, out=Path)
     path = shutil.which("chromium-headless-shell") or shutil.which("chromium")
     found = []
     with tempfile.TemporaryDirectory() as folder, open_shop(Path(folder)) as url, sync_playwright() as drive:
@@ -96,7 +93,7 @@ def main() -> None:
                         {"view": view, "pixels": pixels, **turned(page, slower)} for slower in (1.0, _SLOWER)
                     ]
         browser.close()
-    (asked.out / "turning.json").write_text(json.dumps(found, indent=2) + "\n")
+    leave(asked.out, "turning", found)
     sys.stdout.writelines(f"{json.dumps(row)}\n" for row in found)
 
 

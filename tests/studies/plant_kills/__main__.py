@@ -15,7 +15,6 @@ What was killed is in kills.jsonl of the folder, a line each, what was found in 
 goes on there, with the same databases, until so many kills are made.
 """
 
-import argparse
 import asyncio
 import contextlib
 import json
@@ -46,6 +45,7 @@ from tests.studies.plant_kills.killing import Kills, kill_server, kill_service, 
 from tests.studies.plant_kills.services import KilledService, ServedCell, ServedPlant
 from tests.studies.plant_kills.walking import walk_sessions
 from tests.studies.plant_kills.workers import Workers, two_workers
+from tests.studies.running import leave, study_options
 from truepose.demo.errors import ServiceFailedError
 
 _CELLS: Final = ("on a file", "on a server")
@@ -249,20 +249,20 @@ def summary(folder: Path) -> dict[str, Any]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; exit status 1 where anything was found wrong."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    wanted = study_options(
+        __doc__,
+        arguments,
+        out=Path,
+        kills=(1000, "in the folder, with those of earlier runs"),
+        seed=0,
+        sessions=(False, "ballbar sessions at the first cell as well"),
     )
-    parser.add_argument("--kills", type=int, default=1000, help="in the folder, with those of earlier runs")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--sessions", action="store_true", help="ballbar sessions at the first cell as well")
-    parser.add_argument("--out", type=Path, required=True)
-    wanted = parser.parse_args(arguments)
     folder = wanted.out.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     os.environ["XDG_DATA_HOME"] = str(folder / "beside")  # notes beside databases of a server
     clean = asyncio.run(study(folder, wanted.kills, wanted.seed, sessions=wanted.sessions))
     told = summary(folder)
-    (folder / "plant_kills.json").write_text(json.dumps(told, indent=1))
+    leave(folder, "plant_kills", told)
     sys.stdout.write(json.dumps(told, indent=1) + "\n")
     return 0 if clean and told["pass"] else 1
 

@@ -6,15 +6,14 @@ of the mean over all cells is given beside it.
 """
 
 import argparse
-import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
 from tests.studies.promise.ballbar import ballbar_promises
 from tests.studies.promise.kept import Tally, tally
 from tests.studies.promise.tracker import resumed_promise, tracker_promise
+from tests.studies.running import leave, study_parser
 
 _SCENARIO: Final = "irb120-tilted"
 _EVERYDAY: Final = "irb120-everyday"  # the parameters do not express all of it
@@ -31,19 +30,12 @@ def main() -> int:
     ]
     for one in found:
         sys.stdout.write(_told(one))
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "promise.json").write_text(json.dumps([asdict(one) for one in found], indent=1))
+    leave(options.out, "promise", found)
     return 0
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--scenario", default=_SCENARIO)
-    parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--first", type=int, default=1, help="the first seed")
+    parser = study_parser(__doc__, out=Path, scenario=_SCENARIO, seeds=20, first=(1, "the first seed"))
     parser.add_argument("--n", type=int, help="configurations (default: the knee of the curve)")
     return parser.parse_args()
 

@@ -1,16 +1,14 @@
 """Ballbar campaigns of the simulated cell at the planned poses, held against what was promised."""
 
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tests.studies.promise.kept import Kept, kept
 from tests.studies.promise.tracker import OTHER_PLACES, VOLUME, identified, predicted_mm, true_mm
+from tests.studies.simulated_arms import read_back
 from truepose.domain.arrays import FloatArray
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification.model.estimates import identified_anchors
 from truepose.kinematics.frames import rigid_alignment
@@ -42,9 +40,7 @@ def ballbar_promises(scenario: str, seeds: Sequence[int], n: int | None = None) 
     found = []
     for seed in seeds:
         recording = record_ballbar(load_scenario(scenario), seed, made, wishes)
-        with tempfile.TemporaryDirectory() as folder:
-            write_ballbar_campaign(recording, Path(folder))
-            model = identified(read_campaign(Path(folder)))
+        model = identified(read_back(recording, write_ballbar_campaign))
         cups = {(a.placement, a.base_point): np.array(a.centre_mm) for a in identified_anchors(model)}
         predicted = _in_true_frame(predicted_mm(model, places), cups, recording.cups)
         found.append(kept(plan, np.linalg.norm(predicted - true_mm(recording.cell, places), axis=1)))

@@ -1,17 +1,15 @@
 """Tracker campaigns of the simulated cell at the planned configurations, held against what was promised."""
 
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from tests.studies.promise.kept import Kept, kept
+from tests.studies.simulated_arms import of_nest, read_back, true_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.identification import Model
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict
 from truepose.planning.prediction.expected_covariance import PriorKnowledge
@@ -21,7 +19,7 @@ from truepose.planning.prediction.tracker import promised_session
 from truepose.planning.workspace.space import space_to_measure
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import RecordingRequest, write_campaign
+from truepose_simulators.recording import RecordingRequest
 from truepose_simulators.recording import Stops as RecordedStops
 from truepose_simulators.recording.campaign import record_at
 from truepose_simulators.scenarios.file import load_scenario
@@ -91,9 +89,7 @@ def recorded_stops(cell: Cell, joints_rad: FloatArray, nest: IntArray) -> Campai
         repeat_of=np.zeros(n, dtype=int),
     )
     recording, _ = record_at(cell, stops, RecordingRequest(configurations=n, validation=0, attachments=1))
-    with tempfile.TemporaryDirectory() as folder:
-        write_campaign(recording, Path(folder))
-        return read_campaign(Path(folder))
+    return read_back(recording)
 
 
 def identified(campaign: Campaign) -> Model:
@@ -116,7 +112,4 @@ def predicted_mm(model: Model, places: VolumeSample) -> FloatArray:
 
 def true_mm(cell: Cell, places: VolumeSample) -> FloatArray:
     """Return where the nests truly are, scatter of the arm not included, shape (m, 3)."""
-    n = len(places)
-    upwards = np.ones_like(places.joints_rad)
-    conditions = cell.conditions(places.joints_rad, upwards, np.full(n, _STOP_S), np.ones(n))
-    return cell.true_positions(conditions)[np.arange(n), places.nest - 1]
+    return of_nest(true_nests_mm(cell, places.joints_rad, _STOP_S), places.nest)

@@ -13,7 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.report_command import shown, status_of
+from tests.studies.report_command import informing, report, target_row
+from tests.studies.running import study_options
 from tests.studies.sphere.calibrated_arms import (
     BAR_MM,
     CALIBRATIONS,
@@ -28,7 +29,7 @@ from truepose.domain.robot import FramePlacement
 from truepose.exchange.robots.named import load_robot
 from truepose.planning.ballbar.bodies import BallbarCell, base_fixture
 from truepose.planning.ballbar.sphere import plan_sphere
-from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+from truepose.reports.table_report import Row, Section, Verdict
 from truepose.validation.sphere_errors import SphereFigures
 from truepose.validation.sphere_test import NOMINAL, sphere_test
 
@@ -57,20 +58,14 @@ class Arm:
 
 def main() -> int:
     """Measure everything, print it, write it; status 1 where the order is another."""
-    options = _options()
-    sections = shown(_sections(options))
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_table_report(options.out / "sphere.html", "Sphere test", sections, simulated=True)
-    return status_of(sections)
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/sphere"))
-    parser.add_argument("--scenario", default="irb120-everyday")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--stops", type=int, default=100, help="of each nest; 90 to 123 in the thesis")
-    return parser.parse_args()
+    options = study_options(
+        __doc__,
+        out=Path("out/sphere"),
+        scenario="irb120-everyday",
+        seeds=10,
+        stops=(100, "of each nest; 90 to 123 in the thesis"),
+    )
+    return report(_sections(options), options.out / "sphere.html", "Sphere test")
 
 
 def _sections(options: argparse.Namespace) -> Iterator[Section]:
@@ -163,7 +158,7 @@ def _against_nominal(arms: list[Arm]) -> Iterator[Row]:
     yield _share("calibrations more accurate than the nominal arm", [a.rms_mm < b.rms_mm for a, b in pairs])
     yield _share("calibrated arms that keep within the bar's range", [a.out_of_range == 0 for a, _ in pairs])
     lost = float(np.median([nominal.out_of_range / nominal.stops for _, nominal in pairs]))
-    yield Row("stops of the nominal arm out of it, median", "", f"{100 * lost:.0f} %", Verdict.NO_TARGET)
+    yield informing("stops of the nominal arm out of it, median", f"{100 * lost:.0f} %")
 
 
 def _against_each_other(arms: list[Arm]) -> Iterator[Row]:
@@ -177,8 +172,8 @@ def _against_each_other(arms: list[Arm]) -> Iterator[Row]:
         yield _ratio(figure, seen, [_printed_scatters(one)[k] for one in (camera, tracker)])
     rms = np.array([[arm.identified[one.name].rms_mm for one in CALIBRATIONS] for arm in arms])
     alike = float(np.median(rms.min(axis=1) / rms.max(axis=1)))
-    verdict = _at_least(alike, _ALIKE)
-    yield Row("least / largest RMS of the three, median", f">= {_ALIKE:g}", f"{alike:.2f}", verdict)
+    figure = "least / largest RMS of the three, median"
+    yield target_row(figure, f">= {_ALIKE:g}", f"{alike:.2f}", good=alike >= _ALIKE)
 
 
 def _scatters(arms: list[Arm], one: Calibration) -> tuple[float, ...]:
@@ -193,16 +188,13 @@ def _printed_scatters(one: Calibration) -> tuple[float, ...]:
 def _ratio(figure: str, seen: Sequence[float], printed: Sequence[float]) -> Row:
     """Say whether the first is as large as the second, as it is in print."""
     value = seen[0] / seen[1]
-    return Row(figure, f">= 1, printed {printed[0] / printed[1]:.2f}", f"{value:.2f}", _at_least(value, 1.0))
+    target = f">= 1, printed {printed[0] / printed[1]:.2f}"
+    return target_row(figure, target, f"{value:.2f}", good=value >= 1.0)
 
 
 def _share(figure: str, true: list[bool]) -> Row:
     share = float(np.mean(true))
-    return Row(figure, "100 %", f"{100 * share:.0f} %", _at_least(share, 1.0))
-
-
-def _at_least(value: float, least: float) -> Verdict:
-    return Verdict.PASSED if value >= least else Verdict.FAILED
+    return target_row(figure, "100 %", f"{100 * share:.0f} %", good=share >= 1.0)
 
 
 if __name__ == "__main__":

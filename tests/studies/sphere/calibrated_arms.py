@@ -4,21 +4,18 @@ Everything is asked of the simulated cell, whose physics goes another route than
 are when an instrument looks, and how long the bar is.
 """
 
-import tempfile
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tests.studies.simulated_arms import read_back
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.campaign import Campaign, CupSetups, LegReadings, PointReadings, Stops
 from truepose.domain.identification import Model
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record
-from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import RecordingRequest
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import Scenario, ToolSetup
@@ -73,9 +70,7 @@ def calibrated(scenario: str, seed: int, calibration: Calibration) -> Calibrated
     setup = _with_artefact(load_scenario(scenario).quiet(), calibration)
     wishes = RecordingRequest(calibration.configurations, 0, approach="from_below", attachments=1)
     recording = record(setup, seed, wishes)
-    with tempfile.TemporaryDirectory() as folder:
-        write_campaign(recording, Path(folder))
-        campaign = read_campaign(Path(folder))
+    campaign = read_back(recording)
     if campaign.calibration is None:
         raise SystemExit("nothing was recorded")
     rng = np.random.default_rng((seed, calibration.configurations))

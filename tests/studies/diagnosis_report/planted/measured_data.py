@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from tests.studies.report_command import campaigns_folder, without_data
+from tests.studies.report_command import campaigns_folder, target_row, without_data
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Cause, Confidence, Diagnosis, Finding
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.reports.table_report import Row, Section, Verdict
+from truepose.reports.table_report import Row, Section
 
 _WITHOUT_SPRINGS: Final = ("base", "tool", "geometry")
 _TIMES_SMALLER: Final = 2.5
@@ -37,8 +37,8 @@ def measured_section() -> Section:
 def _row(folder: Path, expected: _Expected) -> Row:
     diagnosis = diagnose(read_campaign(folder / expected.folder), expected.start)
     start = "default start" if expected.start is None else "from " + ", ".join(expected.start)
-    verdict = Verdict.PASSED if expected.met(diagnosis) else Verdict.FAILED
-    return Row(f"{expected.folder}, {start}", expected.target, _said(diagnosis), verdict)
+    figure = f"{expected.folder}, {start}"
+    return target_row(figure, expected.target, _said(diagnosis), expected.met(diagnosis))
 
 
 def _said(diagnosis: Diagnosis) -> str:

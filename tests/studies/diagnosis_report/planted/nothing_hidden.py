@@ -6,9 +6,10 @@ from typing import Final
 
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.judging import Outcome
-from tests.studies.diagnosis_report.rows import at_most, informing, no_faults, ratio_at_most
+from tests.studies.diagnosis_report.rows import at_most, no_faults, ratio_at_most
 from tests.studies.diagnosis_report.study import Extent, Study
 from tests.studies.diagnosis_report.trials import Trial
+from tests.studies.report_command import informing
 
 _AFTER_BEFORE: Final = MappingProxyType({100: 0.52, 200: 0.43})
 _FALSE_ALARMS: Final = 12 / 600

@@ -7,8 +7,9 @@ from typing import Final
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.planted.cases import REALISTIC, pairs_alike, pairs_of
-from tests.studies.diagnosis_report.rows import at_least, informing, no_faults
+from tests.studies.diagnosis_report.rows import at_least, no_faults
 from tests.studies.diagnosis_report.study import Extent, Rows, Study, trial_of
+from tests.studies.report_command import informing
 
 _NO_THIRD: Final = MappingProxyType({100: 0.85, 200: 0.92})
 

@@ -10,9 +10,10 @@ import numpy as np
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.planted.cases import BARELY_VISIBLE, FOR_INFORMATION, REALISTIC
-from tests.studies.diagnosis_report.rows import at_least, at_most, between, informing, no_faults
+from tests.studies.diagnosis_report.rows import at_least, at_most, between, no_faults
 from tests.studies.diagnosis_report.study import Extent, Rows, Study, each_case, trial_of
 from tests.studies.diagnosis_report.trials import Trial
+from tests.studies.report_command import informing
 from truepose.reports.table_report import Row
 
 _DETECTED: Final = MappingProxyType({50: 0.80, 100: 0.97, 200: 0.99})

@@ -5,13 +5,13 @@ campaigns tell is kept in the folder, so that a comparison that was changed is t
 `--case NAME` tries one.
 """
 
-import argparse
 import pickle
 import sys
 from pathlib import Path
 
 from tests.studies.fleet.beside.cases import CASES, Case, Planted
 from tests.studies.fleet.beside.visits import DAYS_A_MONTH, measured
+from tests.studies.running import study_parser
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.campaigns import FleetCampaign, fleet_of
 from truepose.fleet.changes import RealChange, account_of
@@ -20,23 +20,14 @@ from truepose.fleet.trials import Change
 
 def main() -> int:
     """Measure and print."""
-    options = _options()
+    parser = study_parser(__doc__, out=Path, fleets=(2, "of each case"), first=(1, "seed of the first"))
+    parser.add_argument("--case", choices=sorted(CASES), action="append")
+    options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     for name in options.case or CASES:
         for seed in range(options.first, options.first + options.fleets):
             _tried(options.out, name, seed)
     return 0
-
-
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--case", choices=sorted(CASES), action="append")
-    parser.add_argument("--fleets", type=int, default=2, help="of each case")
-    parser.add_argument("--first", type=int, default=1, help="seed of the first")
-    return parser.parse_args()
 
 
 def _tried(out: Path, name: str, seed: int) -> None:

@@ -7,7 +7,6 @@ delivers late, or leaves what is open dead. The cells are in memory. What arrive
 stands in the ledger is seen from outside, and compared with every tap.
 """
 
-import argparse
 import asyncio
 import contextlib
 import shutil
@@ -25,6 +24,7 @@ from tests.browser.tablet.bench.wire import wire_to
 from tests.studies.hardening.cuts.cells import BallbarCell, TrackerCell, end_all, watched
 from tests.studies.hardening.cuts.lane import Lane, Tally
 from tests.studies.hardening.cuts.person import SAID, Person
+from tests.studies.running import study_options
 
 _SIZE: Final = {"width": 1180, "height": 820}
 _KEPT: Final = (
@@ -90,12 +90,7 @@ async def study(cuts: int, lanes: int, seed: int, folder: Path) -> Tally:
 
 def main() -> int:
     """Run the study and write what it found."""
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    arguments.add_argument("--cuts", type=int, default=1000)
-    arguments.add_argument("--lanes", type=int, default=6)
-    arguments.add_argument("--seed", type=int, default=0)
-    arguments.add_argument("--out", type=Path, default=Path("out/cuts"))
-    wanted = arguments.parse_args()
+    wanted = study_options(__doc__, cuts=1000, lanes=6, seed=0, out=Path("out/cuts"))
     wanted.out.mkdir(parents=True, exist_ok=True)
     began_s = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:

@@ -10,7 +10,6 @@ the bar attached, unconfirmed or outside the limits; acknowledged lines that are
 without a question, before and after the pre-calibration.
 """
 
-import argparse
 import json
 import sys
 import tempfile
@@ -20,14 +19,12 @@ from pathlib import Path
 
 from tests.studies.hardening.erring_operator.study import ROBOTS, Robot, Wanted, study
 from tests.studies.hardening.erring_operator.tally import report
+from tests.studies.running import study_parser
 
 
 def main(arguments: Sequence[str] | None = None, robots: Sequence[Robot] = ROBOTS) -> int:
     """Run from the command line; exit status 1 where something moved that must not, or was lost."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    for item in fields(Wanted):
-        kind = float if item.name == "share" else int
-        parser.add_argument(f"--{item.name}", type=kind, default=item.default)
+    parser = study_parser(__doc__, **{item.name: item.default for item in fields(Wanted)})
     parser.add_argument("--out", type=Path, help="folder for erring_operator.json")
     given = vars(parser.parse_args(arguments))
     out = given.pop("out")
