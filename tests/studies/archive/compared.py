@@ -42,11 +42,6 @@ class Compared:
     alone_ms: list[float]  # from sending one campaign to its result, less its computing
 
     @property
-    def bits(self) -> dict[str, str]:
-        """Of each result, by campaign."""
-        return self.one.bits
-
-    @property
     def ratio(self) -> float:
         """Time of one worker over that of two."""
         return self.one.wall_s / self.two.wall_s

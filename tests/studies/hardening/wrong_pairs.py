@@ -3,12 +3,10 @@
 `python -m tests.studies.hardening.wrong_pairs --out DIR [--runs N] [--seed N] [--poses 6 8 10 24]
 [--scenarios ...]` has robots measured as the service plans it. At every pose before the pre-calibration one
 leg is read of another pair (single; that pair comes later), one of a pair that was read (repeated), and two
-change places (exchanged), each once on its own; the same at the aimed poses after it. Then a whole session
-of each robot, in which every twentieth leg is connected wrongly, is judged from start to end.
+change places (exchanged), each once on its own; the same at the aimed poses after it. Whole sessions of an
+operator who errs are those of `erring_operator`.
 """
 
-import argparse
-import json
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -24,8 +22,8 @@ from tests.studies.hardening.wrong_pairs_session import (
     ForeseenPose,
     Reading,
     Site,
-    whole_session,
 )
+from tests.studies.running import leave, study_parser
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose.storage.records import SessionSetup
@@ -33,7 +31,6 @@ from truepose.validation.early_connection_check import refuted_stops
 
 SCENARIOS = ("irb120-tilted", "lrmate-tilted", "irb120-everyday", "lrmate-everyday")
 POSES = (6, 8, 10, 24, 64)
-RATE = 0.05
 _KINDS = ("single", "repeated", "exchanged")
 _DRAWS = 360
 
@@ -137,15 +134,14 @@ def _count_silent(site, pose, slips, counts, phase, kind):
 
 
 def study(scenarios=SCENARIOS, poses=POSES, runs=2, seed=1, draws=_DRAWS):
-    """Return counts by scenario, number of poses and part."""
+    """Return counts by scenario and number of poses."""
     found = {}
     for scenario in scenarios:
         for n in poses:
-            slips, sessions = Counter(), Counter()
+            slips = Counter()
             for robot in range(seed, seed + runs):
                 slips += slips_of(site_of(scenario, n, robot, draws))
-                sessions += whole_session(site_of(scenario, n, robot, draws), RATE)
-            found[f"{scenario}, {n} poses"] = {"slips": _named(slips), "sessions": _named(sessions)}
+            found[f"{scenario}, {n} poses"] = _named(slips)
     return found
 
 
@@ -156,14 +152,12 @@ def _named(counts):
 def table(found):
     """Return the shares as text."""
     lines = []
-    for name, parts in found.items():
-        slips, sessions = parts["slips"], parts["sessions"]
+    for name, slips in found.items():
         lines.append(name)
         for phase in ("before", "after"):
             lines += [f"  {phase}: {kind} {_share(slips, phase, kind)}" for kind in _KINDS]
             questioned, right = (slips.get(f"{phase} {what}", 0) for what in ("questioned", "right"))
             lines.append(f"  {phase}: right ones questioned {questioned} of {right}")
-        lines += [f"  session: {what} {count}" for what, count in sessions.items()]
     return "\n".join(lines)
 
 
@@ -176,16 +170,12 @@ def _share(counts, phase, kind):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--runs", type=int, default=2)
-    parser.add_argument("--seed", type=int, default=1)
+    parser = study_parser(__doc__, out=Path, runs=2, seed=1)
     parser.add_argument("--poses", type=int, nargs="+", default=POSES)
     parser.add_argument("--scenarios", nargs="+", default=SCENARIOS)
     options = parser.parse_args()
     found = study(options.scenarios, options.poses, options.runs, options.seed)
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "wrong_pairs.json").write_text(json.dumps(found, indent=1))
+    leave(options.out, "wrong_pairs", found)
     sys.stdout.write(f"{table(found)}\n")
 
 
