@@ -31,3 +31,9 @@ def typed(*arguments, cwd="."):
     finally:
         sys.argv = given
     return subprocess.CompletedProcess(sys.argv, status, printed.getvalue(), said.getvalue())
+
+
+def answer(*arguments):
+    """What a command that is `typed` ends with, prints and says."""
+    done = typed(*arguments)
+    return done.returncode, done.stdout, done.stderr

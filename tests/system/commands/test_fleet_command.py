@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 
+from tests.helpers.commands import answer as truepose
 from tests.studies.fleet.archive import written_fleet
 
 
@@ -16,7 +17,7 @@ def archive(tmp_path_factory):
     return folder
 
 
-def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told(truepose, archive, tmp_path):
+def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told(archive, tmp_path):
     files = {name: tmp_path / name for name in ("check.csv", "pooled.json", "new.csv", "fleet.html")}
     options = [f"--{name.partition('.')[0]}" for name in list(files)[:3]] + ["--report"]
     asked = [part for pair in zip(options, files.values(), strict=True) for part in pair]
@@ -56,7 +57,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert "other.json is of robots of the type another" in said
 
 
-def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(truepose, archive, tmp_path):
+def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(archive, tmp_path):
     mine = tmp_path / "mine"
     shutil.copytree(archive, mine)
     for folder in sorted(mine.iterdir()):
@@ -92,7 +93,7 @@ def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(t
         ),
     ],
 )
-def test_a_table_that_cannot_be_meant_is_a_sentence(truepose, archive, tmp_path, rows, sentence):
+def test_a_table_that_cannot_be_meant_is_a_sentence(archive, tmp_path, rows, sentence):
     table = tmp_path / "visits.csv"
     table.write_text(rows)
 
@@ -112,14 +113,14 @@ def test_a_table_that_cannot_be_meant_is_a_sentence(truepose, archive, tmp_path,
         (("--check", "nowhere/check.csv"), "there is no folder nowhere"),
     ],
 )
-def test_what_cannot_be_asked_is_a_sentence(truepose, archive, options, sentence):
+def test_what_cannot_be_asked_is_a_sentence(archive, options, sentence):
     status, _, said = truepose("fleet", archive, "--out", archive.parent / "out", "--workers", 1, *options)
 
     assert status == 2
     assert sentence in said
 
 
-def test_robots_that_were_measured_once_each_do_not_show_what_changes(truepose, archive, tmp_path):
+def test_robots_that_were_measured_once_each_do_not_show_what_changes(archive, tmp_path):
     for folder in archive.glob("*-month-0"):
         shutil.copytree(folder, tmp_path / "once" / folder.name)
 

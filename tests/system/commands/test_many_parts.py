@@ -6,6 +6,7 @@ import json
 import pytest
 
 from tests.helpers.archive import written_archive
+from tests.helpers.commands import answer as truepose
 
 
 @pytest.fixture(scope="module")
@@ -13,7 +14,7 @@ def archive(tmp_path_factory):
     return written_archive(tmp_path_factory.mktemp("archive"), readings=(2, 12))
 
 
-def test_an_archive_is_computed_once_and_its_table_names_what_failed(truepose, archive, tmp_path):
+def test_an_archive_is_computed_once_and_its_table_names_what_failed(archive, tmp_path):
     (archive / "broken.zip").write_bytes(b"none")
     out = tmp_path / "out"
 
@@ -30,7 +31,7 @@ def test_an_archive_is_computed_once_and_its_table_names_what_failed(truepose, a
     assert rows[2]["status_now"] == "converged"
 
 
-def test_draws_do_not_depend_on_who_makes_them(truepose, archive):
+def test_draws_do_not_depend_on_who_makes_them(archive):
     asked = ("resample", archive / "campaign-2", "--effects", "base", "--draws", "60", "--seed", "3")
 
     one, two = (truepose(*asked, "--workers", count, "--json") for count in (1, 2))
@@ -43,7 +44,7 @@ def test_draws_do_not_depend_on_who_makes_them(truepose, archive):
     assert all(row["standard_deviation"] > 0.0 for row in found["parameters"])
 
 
-def test_the_best_of_several_plans_is_the_plan_of_its_seed(truepose):
+def test_the_best_of_several_plans_is_the_plan_of_its_seed():
     asked = ("plan", "abb-irb-120", "--n", "14", "--json")
 
     status, best, said = truepose(*asked, "--seed", "4", "--tries", "2", "--workers", "2")
@@ -63,14 +64,14 @@ def test_the_best_of_several_plans_is_the_plan_of_its_seed(truepose):
         (("resample", "docs/examples/campaign", "--effects", "none"), "none"),
     ],
 )
-def test_what_cannot_be_asked_is_a_sentence(truepose, arguments, sentence):
+def test_what_cannot_be_asked_is_a_sentence(arguments, sentence):
     status, _, said = truepose(*arguments)
 
     assert status == 2
     assert sentence in said
 
 
-def test_a_server_that_is_away_is_no_unusable_input(truepose):
+def test_a_server_that_is_away_is_no_unusable_input():
     status, _, said = truepose("verify", "postgres://ada:secret@127.0.0.1:1/shop")
 
     assert status == 3

@@ -2,15 +2,14 @@
 
 import csv
 import json
-import sys
 from dataclasses import replace
 
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
+from tests.helpers.commands import answer, typed
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters, registered
-from truepose.cli import main
 from truepose.exchange.models.file import write_model
 
 HEADER = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"
@@ -28,16 +27,14 @@ def model(tmp_path):
 
 
 @pytest.fixture
-def run(model, tmp_path, monkeypatch, capsys):
+def run(model, tmp_path):
     def correcting(targets, *options):
         file = tmp_path / "targets.csv"
         file.write_text(targets)
         out = tmp_path / "out.csv"
-        command = ["truepose", "correct", str(model), str(file), "--out", str(out), *options]
-        monkeypatch.setattr(sys, "argv", command)
-        status = main()
+        said = typed("correct", model, file, "--out", out, *options)
         rows = list(csv.DictReader(out.read_text().splitlines())) if out.exists() else None
-        return status, rows, capsys.readouterr()
+        return said.returncode, rows, said
 
     return correcting
 
@@ -48,7 +45,7 @@ def test_what_is_within_reach_is_corrected(run):
     assert status == 0
     assert [row["status"] for row in rows] == ["ok"]
     assert float(rows[0]["error_mm"]) < 1e-3
-    assert said.out.startswith("1 of 1 targets corrected.")
+    assert said.stdout.startswith("1 of 1 targets corrected.")
 
 
 def test_a_target_that_was_not_corrected_is_a_no_and_is_named(run):
@@ -56,13 +53,13 @@ def test_a_target_that_was_not_corrected_is_a_no_and_is_named(run):
 
     assert status == 1
     assert [row["status"] for row in rows] == ["ok", "out_of_reach"]
-    assert "far: not corrected, out of reach." in said.out
+    assert "far: not corrected, out of reach." in said.stdout
 
 
 def test_json_counts_and_names(run):
     _, _, said = run(HEADER + NEAR + FAR, "--json")
 
-    document = json.loads(said.out)
+    document = json.loads(said.stdout)
     assert document["targets"] == 2
     assert document["statuses"] == {"ok": 1, "out_of_reach": 1}
     assert document["not_corrected"] == [{"target": "far", "status": "out_of_reach"}]
@@ -83,7 +80,7 @@ def test_half_a_table_is_never_left(run, tmp_path):
 
     assert status == 2
     assert rows is None
-    assert "line 5002, column z_mm: 'x' is not a number" in said.err
+    assert "line 5002, column z_mm: 'x' is not a number" in said.stderr
     assert not list(tmp_path.glob("*.part"))
 
 
@@ -93,28 +90,25 @@ def test_a_file_that_is_no_model_is_refused(run, model):
     status, rows, said = run(HEADER + NEAR)
 
     assert (status, rows) == (2, None)
-    assert "robot.json" in said.err
+    assert "robot.json" in said.stderr
 
 
 def test_the_answer_is_given_in_french_where_that_is_asked_for(run):
     _, _, said = run(HEADER + NEAR, "--language", "fr")
 
-    assert said.out.startswith("1 cibles sur 1 corrigées.")
+    assert said.stdout.startswith("1 cibles sur 1 corrigées.")
 
 
-def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(
-    model, tmp_path, monkeypatch, capsys
-):
+def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(model, tmp_path):
     rest = "[9E9,9E9,9E9,9E9,9E9,9E9]"
     text = f"MODULE M\n! by hand\nCONST jointtarget a:=[[20,30,-25,40,50,60],{rest}];\nENDMODULE\n"
     program, out = tmp_path / "m.mod", tmp_path / "out.mod"
     program.write_text(text)
-    monkeypatch.setattr(sys, "argv", ["truepose", "correct", str(model), str(program), "--out", str(out)])
 
-    status = main()
+    status, printed, _ = answer("correct", model, program, "--out", out)
 
     before, after = text.splitlines(), out.read_text().splitlines()
-    assert (status, capsys.readouterr().out.splitlines()[0]) == (0, "1 of 1 targets corrected.")
+    assert (status, printed.splitlines()[0]) == (0, "1 of 1 targets corrected.")
     assert [k for k, pair in enumerate(zip(before, after, strict=True)) if pair[0] != pair[1]] == [2]
 
 
@@ -126,23 +120,24 @@ def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(
         (("--branch", "left"), "name one such as front/up/no flip"),
     ],
 )
-def test_what_is_said_of_a_program_is_checked(model, tmp_path, monkeypatch, capsys, option, sentence):
+def test_what_is_said_of_a_program_is_checked(model, tmp_path, option, sentence):
     program = tmp_path / "m.mod"
     program.write_text("MODULE M\nENDMODULE\n")
-    command = ["truepose", "correct", str(model), str(program), "--out", str(tmp_path / "o.mod"), *option]
-    monkeypatch.setattr(sys, "argv", command)
 
-    assert main() == 2
-    assert sentence in capsys.readouterr().err
+    status, _, said = answer("correct", model, program, "--out", tmp_path / "o.mod", *option)
+
+    assert status == 2
+    assert sentence in said
 
 
-def test_a_program_is_never_replaced_by_its_correction(model, tmp_path, monkeypatch, capsys):
+def test_a_program_is_never_replaced_by_its_correction(model, tmp_path):
     program = tmp_path / "a.mod"
     program.write_text("MODULE A\nENDMODULE\n")
-    monkeypatch.setattr(sys, "argv", ["truepose", "correct", str(model), str(program), "--out", str(program)])
 
-    assert main() == 2
-    assert "is the file of the targets: give another name" in capsys.readouterr().err
+    status, _, said = answer("correct", model, program, "--out", program)
+
+    assert status == 2
+    assert "is the file of the targets: give another name" in said
     assert program.read_text() == "MODULE A\nENDMODULE\n"
 
 
@@ -155,7 +150,7 @@ def test_limits_that_nobody_knows_are_empty_and_said(run, tmp_path):
 
     assert [(row["status"], row["beyond_limit_deg"]) for row in rows] == [("limits_unknown", "")]
     assert float(rows[0]["q2_deg"]) == pytest.approx(122.5, abs=0.5)
-    assert "The joint limits of this robot are unknown" in said.out
+    assert "The joint limits of this robot are unknown" in said.stdout
 
 
 @pytest.mark.parametrize(
@@ -181,8 +176,8 @@ def test_numbers_that_would_fit_in_inches_are_not_corrected_unless_they_are_mean
     stated, written, _ = run(INCHES, "--as-written")
 
     assert (status, rows) == (1, None)
-    assert "inches" in said.err
-    assert "Nothing was written" in said.err
+    assert "inches" in said.stderr
+    assert "Nothing was written" in said.stderr
     assert (stated, len(written)) == (1 if any(row["status"] != "ok" for row in written) else 0, 5)
 
 
@@ -190,4 +185,4 @@ def test_nothing_is_written_where_nearly_all_is_out_of_reach(run):
     status, rows, said = run(HEADER + FAR * 20 + NEAR)
 
     assert (status, rows) == (1, None)
-    assert "20 of 21 targets are out of reach: nothing was written." in said.err
+    assert "20 of 21 targets are out of reach: nothing was written." in said.stderr

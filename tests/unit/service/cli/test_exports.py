@@ -1,14 +1,13 @@
 """`truepose export`, as a user types it: a file, sentences or one document, and an exit status."""
 
 import json
-import sys
 
 import pytest
 
 import truepose as tp
+from tests.helpers.commands import answer
 from tests.helpers.identification.models import ROBOTS, extended, model_of, registered
 from tests.helpers.identification.zones import zoned
-from truepose.cli import main
 from truepose.exchange.models.file import write_model
 
 PRINTED = {"as", "robot", "remarks", "nominal_error", "error"}
@@ -24,20 +23,14 @@ def model(tmp_path):
     return tmp_path / "robot.json"
 
 
-@pytest.fixture
-def typed(monkeypatch, capsys):
-    def type_command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["truepose", "export", *map(str, arguments)])
-        status = main()
-        return status, *capsys.readouterr()
-
-    return type_command
+def typed(*arguments):
+    return answer("export", *arguments)
 
 
 @pytest.mark.parametrize(
     ("form", "keys"), [("urdf", OF_TABLES), ("dhm", OF_TABLES), ("controller", OF_CONTROLLERS)]
 )
-def test_a_document_has_the_promised_keys(typed, model, tmp_path, form, keys):
+def test_a_document_has_the_promised_keys(model, tmp_path, form, keys):
     status, printed, said = typed(model, "--as", form, "--out", tmp_path / "out.txt", "--json")
 
     document = json.loads(printed)
@@ -47,7 +40,7 @@ def test_a_document_has_the_promised_keys(typed, model, tmp_path, form, keys):
     assert document["error"]["mean_mm"] > 0.0
 
 
-def test_what_is_lost_is_said_and_the_file_is_there(typed, model, tmp_path):
+def test_what_is_lost_is_said_and_the_file_is_there(model, tmp_path):
     status, printed, _ = typed(model, "--as", "urdf", "--out", tmp_path / "robot.urdf")
 
     assert status == 0
@@ -55,14 +48,14 @@ def test_what_is_lost_is_said_and_the_file_is_there(typed, model, tmp_path):
     assert (tmp_path / "robot.urdf").read_text().startswith("<?xml")
 
 
-def test_sentences_come_in_french_where_that_is_asked_for(typed, model, tmp_path):
+def test_sentences_come_in_french_where_that_is_asked_for(model, tmp_path):
     _, printed, _ = typed(model, "--as", "urdf", "--out", tmp_path / "robot.urdf", "--language", "fr")
 
     assert "Pas dans le fichier" in printed
     assert "Not in the file: " in (tmp_path / "robot.urdf").read_text()
 
 
-def test_a_fitted_table_is_nearer_to_the_model(typed, model, tmp_path):
+def test_a_fitted_table_is_nearer_to_the_model(model, tmp_path):
     plain, fitted = (
         json.loads(typed(model, "--as", "dhm", "--out", tmp_path / "t.csv", "--json", *more)[1])
         for more in ((), ("--fitted",))
@@ -80,7 +73,7 @@ def test_a_fitted_table_is_nearer_to_the_model(typed, model, tmp_path):
         (("--as", "urdf", "--out", "nowhere/robot.urdf"), "there is no folder nowhere"),
     ],
 )
-def test_what_cannot_be_written_is_one_sentence(typed, model, tmp_path, arguments, words):
+def test_what_cannot_be_written_is_one_sentence(model, tmp_path, arguments, words):
     status, printed, said = typed(model, "--out", tmp_path / "out", *arguments)
 
     assert (status, printed) == (2, "")
@@ -90,7 +83,7 @@ def test_what_cannot_be_written_is_one_sentence(typed, model, tmp_path, argument
 
 
 @pytest.mark.parametrize("arguments", [("--as", "controller"), ("--as", "urdf", "--fitted")])
-def test_a_model_that_does_not_know_its_zone_is_refused(typed, tmp_path, arguments):
+def test_a_model_that_does_not_know_its_zone_is_refused(tmp_path, arguments):
     write_model(registered(model_of(ROBOTS["irb120"])), tmp_path / "old.json")
 
     status, _, said = typed(tmp_path / "old.json", "--out", tmp_path / "out", *arguments)
@@ -99,7 +92,7 @@ def test_a_model_that_does_not_know_its_zone_is_refused(typed, tmp_path, argumen
     assert "measured zone" in said
 
 
-def test_a_notebook_writes_the_same_file(typed, model, tmp_path):
+def test_a_notebook_writes_the_same_file(model, tmp_path):
     typed(model, "--as", "controller", "--out", tmp_path / "typed.txt")
 
     remarks = tp.export(model, "controller", tmp_path / "called.txt")

@@ -2,13 +2,12 @@
 
 import json
 import math
-import sys
 
 import pytest
 
+from tests.helpers.commands import typed as truepose
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of, registered
-from truepose.cli import main
 from truepose.domain.identification import Parameter
 from truepose.exchange.models.file import model_text
 
@@ -27,7 +26,7 @@ def far_model(name):
 
 
 @pytest.fixture
-def typed(tmp_path, monkeypatch, capsys):
+def typed(tmp_path):
     """Types a command on a model file of this text."""
     (tmp_path / "targets.csv").write_text(TARGETS)
     (tmp_path / "points.csv").write_text(POINTS)
@@ -36,9 +35,8 @@ def typed(tmp_path, monkeypatch, capsys):
         (tmp_path / "robot.json").write_text(text, encoding="utf-8")
         table = {"correct": "targets.csv", "predict": "points.csv"}.get(command)
         files = [tmp_path / "robot.json", *([] if table is None else [tmp_path / table])]
-        line = ["truepose", command, *files, "--out", tmp_path / "out.csv", *options]
-        monkeypatch.setattr(sys, "argv", [str(word) for word in line])
-        return main(), (tmp_path / "out.csv").exists(), capsys.readouterr()
+        done = truepose(command, *files, "--out", tmp_path / "out.csv", *options)
+        return done.returncode, (tmp_path / "out.csv").exists(), done
 
     return type_command
 
@@ -61,10 +59,10 @@ def test_a_model_that_moves_the_tool_far_is_refused_where_a_robot_follows_it(typ
     status, written, said = typed(options[0], model_text(far_model(name)), *options[1:])
 
     assert (status, written) == (2, False)
-    assert said.err.startswith("robot.json: the model moves the tool of ABB IRB 120 by up to ")
-    assert size in said.err
-    assert f"far from their priors: {FAR[name].name} = " in said.err
-    assert "--max-shift-mm" in said.err
+    assert said.stderr.startswith("robot.json: the model moves the tool of ABB IRB 120 by up to ")
+    assert size in said.stderr
+    assert f"far from their priors: {FAR[name].name} = " in said.stderr
+    assert "--max-shift-mm" in said.stderr
 
 
 def test_whoever_states_the_shift_has_it_accepted(typed):
@@ -73,7 +71,7 @@ def test_whoever_states_the_shift_has_it_accepted(typed):
     )
 
     assert (status in {0, 1}, written) == (True, True)
-    assert 100.0 < json.loads(said.out)["model_file"]["largest_shift_mm"] < 1500.0
+    assert 100.0 < json.loads(said.stdout)["model_file"]["largest_shift_mm"] < 1500.0
 
 
 def test_a_smaller_limit_refuses_what_the_usual_one_lets_through(typed):
@@ -82,46 +80,38 @@ def test_a_smaller_limit_refuses_what_the_usual_one_lets_through(typed):
     assert typed("correct", text)[:2] == (0, True)
     status, _, said = typed("correct", text, "--max-shift-mm", "0.01")
     assert status == 2
-    assert "and up to 0.01 mm is accepted" in said.err
-
-
-def test_a_prediction_by_a_file_as_it_was_written_is_remarked_on(typed):
-    status, written, said = typed("predict", model_text(far_model("joint")))
-
-    assert (status, written) == (0, True)
-    assert "The model moves the tool by up to" in said.err
-
-
-def test_a_prediction_by_a_far_model_without_a_digest_is_refused(typed):
-    status, written, said = typed("predict", without_digest(model_text(far_model("joint"))))
-
-    assert (status, written) == (2, False)
-    assert "the model moves the tool of ABB IRB 120" in said.err
-
-
-@pytest.mark.parametrize("command", ["correct", "predict"])
-def test_an_edited_file_is_refused_and_named(typed, command):
-    status, written, said = typed(command, edited(model_text(NEAR)))
-
-    assert (status, written) == (2, False)
-    assert "key digest: the model was edited after truepose wrote it" in said.err
+    assert "and up to 0.01 mm is accepted" in said.stderr
 
 
 WORN = model_of(IRB_120, Parameter("d_4", "geometry", 9.0, "mm", 0.01, 2.0), base=STANDS)
+EDITED = "key digest: the model was edited after truepose wrote it"
 
 
-def test_an_arm_that_was_measured_to_be_far_off_is_corrected_and_that_is_said(typed):
-    status, written, said = typed("correct", model_text(WORN))
+@pytest.mark.parametrize(
+    ("command", "text", "answer", "sentence"),
+    [
+        ("predict", model_text(far_model("joint")), (0, True), "The model moves the tool by up to"),
+        (
+            "predict",
+            without_digest(model_text(far_model("joint"))),
+            (2, False),
+            "the model moves the tool of ABB IRB 120",
+        ),
+        ("correct", edited(model_text(NEAR)), (2, False), EDITED),
+        ("predict", edited(model_text(NEAR)), (2, False), EDITED),
+        ("correct", model_text(WORN), (0, True), "more than the usual 5 mm"),
+        ("correct", without_digest(model_text(WORN)), (2, False), "and up to 5 mm is accepted"),
+    ],
+    ids=[
+        "predicts far", "predicts far, no digest", "corrects, edited", "predicts, edited",
+        "corrects what was measured to be far off", "nothing vouches for the same shift",
+    ],
+)  # fmt: skip
+def test_what_is_believed_depends_on_who_vouches_for_the_file(typed, command, text, answer, sentence):
+    status, written, said = typed(command, text)
 
-    assert (status, written) == (0, True)
-    assert "more than the usual 5 mm" in said.err
-
-
-def test_the_same_shift_is_refused_where_nothing_vouches_for_it(typed):
-    status, written, said = typed("correct", without_digest(model_text(WORN)))
-
-    assert (status, written) == (2, False)
-    assert "and up to 5 mm is accepted" in said.err
+    assert (status, written) == answer
+    assert sentence in said.stderr
 
 
 def test_values_far_from_their_priors_are_remarked_on_where_the_shift_is_small(typed):
@@ -130,21 +120,28 @@ def test_values_far_from_their_priors_are_remarked_on_where_the_shift_is_small(t
     status, _, said = typed("predict", model_text(far))
 
     assert status == 0
-    assert "Some model values are far from their priors" in said.err
-    assert "The model moves the tool" not in said.err
+    assert "Some model values are far from their priors" in said.stderr
+    assert "The model moves the tool" not in said.stderr
 
 
-def test_an_edited_file_is_used_where_somebody_says_so(typed):
-    status, _, said = typed("correct", edited(model_text(NEAR)), "--accept-edited", "--json")
+@pytest.mark.parametrize(
+    ("text", "options", "digest", "sentence"),
+    [
+        (
+            edited(model_text(NEAR)),
+            ("--accept-edited",),
+            "edited",
+            "The model file was edited after truepose wrote it",
+        ),
+        (without_digest(model_text(NEAR)), (), "no digest", "The model file has no digest"),
+    ],
+    ids=["edited, and somebody says so", "from before there were digests"],
+)
+def test_a_file_that_is_not_as_it_was_written_is_used_and_that_is_said(
+    typed, text, options, digest, sentence
+):
+    status, _, said = typed("correct", text, *options, "--json")
 
     assert status == 0
-    assert json.loads(said.out)["model_file"]["digest"] == "edited"
-    assert "The model file was edited after truepose wrote it" in said.err
-
-
-def test_a_file_from_before_there_were_digests_is_used_and_that_is_said(typed):
-    status, _, said = typed("correct", without_digest(model_text(NEAR)), "--json")
-
-    assert status == 0
-    assert json.loads(said.out)["model_file"]["digest"] == "no digest"
-    assert "The model file has no digest" in said.err
+    assert json.loads(said.stdout)["model_file"]["digest"] == digest
+    assert sentence in said.stderr
