@@ -37,3 +37,14 @@ def answer(*arguments):
     """What a command that is `typed` ends with, prints and says."""
     done = typed(*arguments)
     return done.returncode, done.stdout, done.stderr
+
+
+def assert_one_sentence(done, *words, status=2):
+    """The command ended with this status and said, in one line, why."""
+    assert done.returncode == status, done.stderr
+    assert "Traceback" not in done.stderr + done.stdout
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    assert len(lines) == 1, done.stderr
+    for word in words:
+        assert word in lines[0]
+    assert done.stdout == ""

@@ -1,6 +1,5 @@
 """The campaign folder of the examples, and the commands that the README shows."""
 
-import csv
 import json
 import os
 import re
@@ -14,6 +13,7 @@ import pytest
 
 from tests.helpers.checkout import SOURCES
 from tests.helpers.commands import typed
+from tests.helpers.exchange.rows import read_rows
 
 _CHECKOUT = Path(__file__).parents[3]
 _FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"
@@ -70,12 +70,8 @@ def test_the_example_model_predicts_the_rows_it_is_given(identified, tmp_path):
     done = typed("predict", model, _FOLDER / "validation.csv", "--out", "predicted.csv", cwd=tmp_path)
 
     assert done.returncode == 0, done.stderr
-    with (
-        (tmp_path / "predicted.csv").open(newline="") as predicted,
-        (_FOLDER / "validation.csv").open() as given,
-    ):
-        rows = list(csv.DictReader(predicted))
-        assert [row["config"] for row in rows] == [row["config"] for row in csv.DictReader(given)]
+    rows = read_rows(tmp_path / "predicted.csv")
+    assert [row["config"] for row in rows] == [row["config"] for row in read_rows(_FOLDER / "validation.csv")]
     assert list(rows[0]) == ["config", "nest", "x_mm", "y_mm", "z_mm", "u_mm"]
 
 

@@ -1,12 +1,12 @@
 """Commands whose work is many parts: the same answer from one worker and from two, and again after a stop."""
 
-import csv
 import json
 
 import pytest
 
 from tests.helpers.archive import written_archive
 from tests.helpers.commands import answer as truepose
+from tests.helpers.exchange.rows import read_rows
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def test_an_archive_is_computed_once_and_its_table_names_what_failed(archive, tm
     assert "3 campaigns: 2 computed, 0 were there already, 1 failed." in said
     found = json.loads(document)
     assert (found["computed"], found["there_already"], list(found["failed"])) == (0, 2, ["broken.zip"])
-    rows = list(csv.DictReader((out / "changes.csv").read_text().splitlines()))
+    rows = read_rows(out / "changes.csv")
     assert [row["campaign"] for row in rows] == ["broken.zip", "campaign-1", "campaign-2"]
     assert rows[2]["status_now"] == "converged"
 

@@ -1,6 +1,5 @@
 """`truepose correct`: exit status, files, and a sentence for whatever cannot be used."""
 
-import csv
 import json
 from dataclasses import replace
 
@@ -9,6 +8,7 @@ import pytest
 from tests.helpers.checkout import CHECKOUT
 from tests.helpers.commands import answer, typed
 from tests.helpers.domain.robots import IRB_120
+from tests.helpers.exchange.rows import read_rows
 from tests.helpers.identification.models import model_of, plain_parameters, registered
 from truepose.exchange.models.file import write_model
 
@@ -33,7 +33,7 @@ def run(model, tmp_path):
         file.write_text(targets)
         out = tmp_path / "out.csv"
         said = typed("correct", model, file, "--out", out, *options)
-        rows = list(csv.DictReader(out.read_text().splitlines())) if out.exists() else None
+        rows = read_rows(out) if out.exists() else None
         return said.returncode, rows, said
 
     return correcting

@@ -1,6 +1,5 @@
 """`truepose import`: from another program's points to a campaign folder."""
 
-import csv
 import json
 from datetime import date, datetime
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
+from tests.helpers.exchange.rows import read_rows
 from tests.helpers.exchange.workbooks import workbook
 from tests.unit.service.exchange.import_wizard.tables import plain, readings, table
 from truepose.cli.imports import LengthUnit, import_command
@@ -21,8 +21,7 @@ NESTS = ["0,0,125", "75,93.675,215", "150,0,125"]
 @pytest.fixture
 def exported(tmp_path):
     """The example's readings as two files: points of a tracker's software, and joint angles."""
-    with (CHECKOUT / "docs/examples/campaign/calibration.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = read_rows(CHECKOUT / "docs/examples/campaign/calibration.csv")
     points = [f"A Group P{row['config']} {row['x_mm']} {row['y_mm']} {row['z_mm']}" for row in rows]
     (tmp_path / "points.txt").write_text(
         "\n".join(["// Units: Millimeters", *points[:-2], "A Group P999 1 2 3"])

@@ -12,7 +12,6 @@ from truepose.domain.identification import NominalAndIdentified, Outlier, PureEr
 from truepose.identification import identify, predict
 from truepose.reports.identification.report import DiagnosisLink, IdentificationReport
 from truepose.reports.identification.summary import TrueParameter, Truth
-from truepose.reports.paper import UnwritableReportError
 from truepose.reports.traceability import Instrument, Period, ReportConditions
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
@@ -248,13 +247,6 @@ def test_the_same_data_give_the_same_file(tmp_path, identification, campaign):
     first, second = (report_of(tmp_path, identification, campaign) for _ in range(2))
 
     assert first == second
-
-
-def test_a_report_that_cannot_be_written_says_where(tmp_path, campaign):
-    (tmp_path / "taken").write_text("a file, no folder")
-
-    with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
-        IdentificationReport(UNFITTED, campaign).write(tmp_path / "taken" / "report.html")
 
 
 @PAINTED_ELSEWHERE

@@ -134,5 +134,5 @@ def test_what_a_later_printer_will_need_stops_none_today(printer_that):
 def test_a_folder_that_takes_no_file_is_said(tmp_path):
     (tmp_path / "file").touch()
 
-    with pytest.raises(UnwritableReportError):
+    with pytest.raises(UnwritableReportError, match=r"cannot be written to .*file"):
         write_report_text(tmp_path / "file" / "report.html", "<p></p>")
