@@ -1,16 +1,15 @@
 """An identification is told in French throughout: its report, its tables, and the reasons that it gives."""
 
-import io
 import re
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from tests.helpers.domain.builders import make_identification, make_pair
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign, shifted
+from tests.helpers.printed import printed
 from tests.helpers.web.pages import Page
 from tests.helpers.words.english import english_in
 from truepose.domain.identification import Outlier, PositionsJudged, PureError, Status
@@ -60,12 +59,6 @@ def page_of(path, identification, campaign, language="fr", **parts):
     IdentificationReport(identification, campaign, language=language, **parts).write(path)
     html = path.read_text(encoding="utf-8")
     return re.sub("<style.*?</style>", "", html, flags=re.DOTALL)
-
-
-def printed(*tables):
-    console = Console(file=io.StringIO(), width=300)
-    console.print(*tables)
-    return console.file.getvalue()
 
 
 def test_a_report_of_positions_is_french_throughout(tmp_path, of_points, points):

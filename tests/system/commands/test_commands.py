@@ -11,14 +11,14 @@ import pytest
 
 from tests.helpers.commands import TRUEPOSE, installed
 from tests.helpers.commands import typed as truepose
+from tests.helpers.domain.lost_visit import cycle_stops, planned_poses
 from tests.helpers.exchange.rows import read_rows, write_rows
 from tests.helpers.identification.synthetic import configurations
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.points import point_text
 from truepose.identification import predict
-from truepose.validation.iso9283.plan import Cube, plan_poses
 from truepose.version import __version__ as truepose_version
 
 COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")
@@ -92,17 +92,12 @@ def test_validate_judges_by_the_limit(good, limit, status):
 def cycles_file(good, file, lost=None):
     """Thirty cycles of five poses and ten other configurations, as a robot that is its model attains them."""
     model = read_model(good / "model.json")
-    down = np.diag([1.0, -1.0, -1.0])
-    plan = plan_poses(model.robot, Cube((300.0, 0.0, 250.0), 150.0), down, model.nests[0].centre_mm)
-    stops = [stop for stop in plan.session(nest=1).stops if stop.config != lost]
-    joints = np.vstack([[stop.joints_rad for stop in stops], configurations(10, seed=4)])
-    config = [*(stop.config for stop in stops), *range(201, 211)]
-    repeat_of = [*(-1 if stop.repeat_of is None else stop.repeat_of for stop in stops), *[-1] * 10]
-    nest = np.ones(len(joints), dtype=np.int64)
-    known = Stops(np.array(config), joints, repeat_of=np.array(repeat_of))
+    poses = planned_poses(model.robot, model.nests[0].centre_mm)
+    known = cycle_stops(poses, lost, configurations(10, seed=4))
+    nest = np.ones(len(known), dtype=np.int64)
     places, _ = predict(model, known, nest)
     scattered = places + 0.01 * np.random.default_rng(3).standard_normal(places.shape)
-    file.write_text(point_text(PointReadings(known, nest, scattered, np.full(len(joints), 0.01))))
+    file.write_text(point_text(PointReadings(known, nest, scattered, np.full(len(known), 0.01))))
     return file
 
 

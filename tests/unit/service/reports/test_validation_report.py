@@ -6,54 +6,34 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.domain.lost_visit import MODEL, planned_poses, readings_of_model
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import model_of
-from tests.helpers.identification.synthetic import NESTS, configurations
+from tests.helpers.identification.synthetic import NESTS
+from tests.helpers.printed import printed
 from tests.helpers.web.pages import Page
 from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.identification import NestCentre
-from truepose.domain.robot import FramePlacement
 from truepose.exchange.results.validation import accuracy_document, pose_test_document
 from truepose.identification import judge
-from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
 from truepose.reports.pose_test import pose_test_summary, pose_test_table
 from truepose.reports.rounding import format_rounded, millimetres, uncertainty
 from truepose.reports.traceability import Audit, Instrument, ReportConditions
 from truepose.reports.validation import ValidationReport, deciding_budget, validation_summary
-from truepose.validation.iso9283.plan import Cube, plan_poses
 from truepose.validation.iso9283.pose_test import pose_test
 from truepose.validation.validate import validate
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
-_CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
-_PLACED = {"base": FramePlacement(), "nests": _CENTRES, "nominal_nests": _CENTRES}
-_ZONE = measured_zone(IRB_120, configurations(50))
-_MODEL = model_of(IRB_120, nominal_base=FramePlacement(x_mm=1.0), zone=_ZONE, discrepancy_mm=0.03, **_PLACED)
-_PLAN = plan_poses(IRB_120, Cube((300.0, 0.0, 250.0), 150.0), np.diag([1.0, -1.0, -1.0]), NESTS[0])
 
 
 @pytest.fixture(scope="module")
 def points():
     """Thirty cycles, of which one visit of P3 was lost, and twenty other configurations."""
-    stops = [stop for stop in _PLAN.session(nest=1).stops if stop.config != 13]
-    joints = np.vstack([[stop.joints_rad for stop in stops], configurations(20, seed=4)])
-    repeat_of = [-1 if stop.repeat_of is None else stop.repeat_of for stop in stops] + [-1] * 20
-    config = [stop.config for stop in stops] + list(range(201, 221))
-    rng = np.random.default_rng(5)
-    places = nominal_chain(IRB_120, joints).points(np.array(NESTS[0]))
-    seen = places + np.array([0.03, 0.0, 0.04]) + 0.003 * rng.standard_normal(places.shape)
-    known = Stops(
-        np.array(config),
-        joints,
-        repeat_of=np.array(repeat_of),
-        temperature_c=np.linspace(20.0, 22.5, len(joints)),
-    )
-    return PointReadings(known, np.ones(len(joints), dtype=np.int64), seen, np.full(len(joints), 0.002))
+    read = readings_of_model(scatter_mm=0.003)
+    return replace(read, stops=replace(read.stops, temperature_c=np.linspace(20.0, 22.5, len(read))))
 
 
 def written(tmp_path, points, limit_mm=None, **more):
-    found = ValidationReport(validate(_MODEL, points, limit_mm=limit_mm), _MODEL, points, **more)
+    found = ValidationReport(validate(MODEL, points, limit_mm=limit_mm), MODEL, points, **more)
     found.write(tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text("utf-8")
     return page, " ".join(re.sub(r"<svg.*?</svg>|<style.*?</style>|<[^>]+>", " ", page, flags=re.S).split())
@@ -80,7 +60,7 @@ def test_the_report_of_a_test_has_figures_conditions_and_what_they_do_not_prove(
         instruments=(Instrument("tracker", model="T-1"),),
     )
 
-    _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points), conditions=conditions)
+    _, text = written(tmp_path, points, pose_test=pose_test(MODEL, points), conditions=conditions)
 
     assert "Five poses do not prove accuracy in a workspace" in text
     assert "over 20 readings in other configurations its error is 0.05" in text
@@ -93,13 +73,13 @@ AUDIT = Audit(7, "5e" * 32, "/api/v1/sessions/7/accuracy?model_id=3", "d0" * 32,
 
 
 def content(points, **more):
-    found = ValidationReport(validate(_MODEL, points), _MODEL, points, audit=AUDIT, **more)
+    found = ValidationReport(validate(MODEL, points), MODEL, points, audit=AUDIT, **more)
     return Page(re.sub("<svg.*?</svg>", "", found.content(), flags=re.DOTALL)).text
 
 
 @PAINTED_ELSEWHERE
 def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_prove(points):
-    text = content(points, pose_test=pose_test(_MODEL, points))
+    text = content(points, pose_test=pose_test(MODEL, points))
 
     first = text[: text.index("Errors before and after")]
     assert text.startswith("ISO 9283 test of ABB IRB 120")
@@ -113,7 +93,7 @@ def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_pr
 
 @PAINTED_ELSEWHERE
 def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
-    text = content(points, pose_test=replace(pose_test(_MODEL, points), work_space=None))
+    text = content(points, pose_test=replace(pose_test(MODEL, points), work_space=None))
 
     assert "predicted by the model; no other configuration was measured" in text
     assert "Largest error in the workspace" not in text
@@ -121,8 +101,8 @@ def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
 
 @PAINTED_ELSEWHERE
 def test_the_page_and_the_document_state_the_same_numbers(points):
-    test = pose_test(_MODEL, points)
-    page, told = content(points, pose_test=test), accuracy_document(validate(_MODEL, points), test)
+    test = pose_test(MODEL, points)
+    page, told = content(points, pose_test=test), accuracy_document(validate(MODEL, points), test)
 
     for figure in told.iso9283.figures:
         half = "±" if figure.symbol == "RD" or (figure.symbol == "RP" and figure.component != "l") else ""
@@ -136,7 +116,7 @@ def test_the_page_and_the_document_state_the_same_numbers(points):
 
 @PAINTED_ELSEWHERE
 def test_what_nobody_said_is_not_stated(tmp_path, points):
-    _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points))
+    _, text = written(tmp_path, points, pose_test=pose_test(MODEL, points))
 
     assert "Measuring instrument not stated" in text
     assert "Load not stated" in text
@@ -161,7 +141,7 @@ def test_the_decision_is_said(tmp_path, points, limit_mm, sentence):
 
 
 def test_figures_are_printed_to_the_digits_of_their_uncertainty(points):
-    shown = pose_test_table(pose_test(_MODEL, points)).of_columns(0, 2, 3, 4, 6, 7)
+    shown = pose_test_table(pose_test(MODEL, points)).of_columns(0, 2, 3, 4, 6, 7)
     rows = {(name, pose, by): (value, unit, noise) for name, pose, by, value, unit, noise in shown.rows}
 
     value, unit, noise = rows["AP p", "P1", "identified"]
@@ -174,7 +154,7 @@ def test_figures_are_printed_to_the_digits_of_their_uncertainty(points):
 
 
 def test_the_document_has_every_figure_once(points):
-    document = pose_test_document(pose_test(_MODEL, points))
+    document = pose_test_document(pose_test(MODEL, points))
 
     keys = [(f["symbol"], f["component"], f["subject"], f["commanded_by"]) for f in document["figures"]]
     assert len(keys) == len(set(keys)) == 2 * (4 * 4 + 4) + 4 + 4  # AP and AD of both models, RP, RD
@@ -195,14 +175,11 @@ def test_the_document_has_every_figure_once(points):
     }
 
 
-def test_the_terminal_says_the_same(points, capsys):
-    from rich.console import Console
+def test_the_terminal_says_the_same(points):
+    found = validate(MODEL, points, limit_mm=0.2, rule="simple")
 
-    console = Console(width=120, highlight=False)
-    console.print(validation_summary(validate(_MODEL, points, limit_mm=0.2, rule="simple")))
-    console.print(pose_test_summary(pose_test(_MODEL, points)))
+    text = " ".join(printed(validation_summary(found), pose_test_summary(pose_test(MODEL, points))).split())
 
-    text = " ".join(capsys.readouterr().out.split())
     assert "Simple acceptance: it conforms. The uncertainty is not taken into account." in text
     assert "Withheld: AP of P3: P3 was measured in 29 cycles" in text
     assert "Five poses do not prove accuracy" in text
@@ -210,7 +187,7 @@ def test_the_terminal_says_the_same(points, capsys):
 
 @PAINTED_ELSEWHERE
 def test_the_conditions_name_the_cube_and_the_share_of_the_rated_speed(tmp_path, points):
-    test = pose_test(_MODEL, points)
+    test = pose_test(MODEL, points)
 
     _, text = written(tmp_path, points, pose_test=test, conditions=ReportConditions(speed_percent=50.0))
 
@@ -223,7 +200,7 @@ def warming(hours):
     """P1 ten times a group, every half hour; it goes 0.1 mm upwards and stops after an hour."""
     group = np.repeat(np.arange(int(2 * hours) + 1), 10)
     n = len(group)
-    joints = np.tile(_PLAN.joints_rad[0], (n, 1))
+    joints = np.tile(planned_poses().joints_rad[0], (n, 1))
     seen = nominal_chain(IRB_120, joints).points(np.array(NESTS[0]))
     seen += 0.001 * np.random.default_rng(6).standard_normal(seen.shape)
     seen[:, 2] += 0.05 * np.minimum(group, 2)
@@ -242,7 +219,7 @@ def warming(hours):
 )
 def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said, withheld):
     seen = warming(hours)
-    test = pose_test(_MODEL, seen)
+    test = pose_test(MODEL, seen)
 
     page, text = written(tmp_path, seen, pose_test=test)
 
@@ -256,9 +233,9 @@ def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said
 
 
 def budget_of(points, **how):
-    found = validate(_MODEL, points, **how)
-    judged = judge(_MODEL, points, _MODEL.repeatability_mm)
-    return found, deciding_budget(judged, _MODEL, found.decision, ReportConditions())
+    found = validate(MODEL, points, **how)
+    judged = judge(MODEL, points, MODEL.repeatability_mm)
+    return found, deciding_budget(judged, MODEL, found.decision, ReportConditions())
 
 
 def test_the_budget_of_a_decision_is_what_its_guard_band_is_made_of(points):
@@ -281,7 +258,7 @@ def test_without_a_limit_the_budget_is_of_the_largest_error_and_has_no_guard_ban
 def test_the_budget_of_the_decision_is_printed(tmp_path, points):
     found, budget = budget_of(points, limit_mm=0.2)
     path = tmp_path / "report.html"
-    ValidationReport(found, _MODEL, points).write(path)
+    ValidationReport(found, MODEL, points).write(path)
 
     text = Page(path.read_text(encoding="utf-8")).text
 

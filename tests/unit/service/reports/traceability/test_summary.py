@@ -1,11 +1,10 @@
-import io
 import re
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
 
 from tests.helpers.domain.builders import make_identification, make_pair
+from tests.helpers.printed import printed
 from truepose.domain.identification import NotIdentifiable, Outlier
 from truepose.domain.validation import Decision, Validation
 from truepose.reports.identification.summary import (
@@ -15,12 +14,6 @@ from truepose.reports.identification.summary import (
 )
 from truepose.reports.tables import on_terminal
 from truepose.reports.validation import validation_summary
-
-
-def printed(table):
-    console = Console(file=io.StringIO(), width=120)
-    console.print(table)
-    return console.file.getvalue()
 
 
 def test_nominal_and_identified_errors_stand_one_above_the_other():
