@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, parameters_of
 from truepose.domain.campaign import Campaign, CupSetups, LegReadings, Stops
+from truepose.domain.identification import NestCentre
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.kinematics.chain import nominal_chain
 
@@ -91,3 +93,9 @@ def longer(joint=2, by_mm=0.2):
     rows = list(IRB_120.joints)
     rows[joint] = replace(rows[joint], a_mm=rows[joint].a_mm + by_mm)
     return replace(IRB_120, joints=tuple(rows))
+
+
+def knowing(by_mm=0.2):
+    """The model of such an upper arm."""
+    nests = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS_MM, start=1))
+    return model_of(IRB_120, *parameters_of("geometry", [("a_3", by_mm, "mm")]), nests=nests)

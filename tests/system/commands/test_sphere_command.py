@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
+from tests.helpers.ballbar.spheres import knowing, longer, sphere_campaign
 from tests.helpers.commands import installed, typed
-from tests.helpers.identification.models import IRB_120, model_of, parameters_of
-from truepose.domain.identification import NestCentre
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import write_model
 
@@ -31,9 +29,7 @@ def folder(campaign, tmp_path_factory):
     """It, and the model that knows the upper arm."""
     folder = tmp_path_factory.mktemp("sphere")
     write_campaign(campaign, folder / "test")
-    nests = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS_MM, start=1))
-    knows = model_of(IRB_120, *parameters_of("geometry", [("a_3", 0.2, "mm")]), nests=nests)
-    write_model(knows, folder / "robot.json")
+    write_model(knowing(), folder / "robot.json")
     return folder
 
 

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 import truepose as tp
-from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
+from tests.helpers.ballbar.spheres import knowing, longer, sphere_campaign
 from tests.helpers.domain.circles import read_on, there_and_back, turned
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import model_of, parameters_of
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.identification import NestCentre
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import write_model
 from truepose.exchange.tables.points import point_text
@@ -24,9 +22,7 @@ def folder(tmp_path_factory):
     """A sphere test of an arm whose upper arm is too long, the model that knows it, and a circle test."""
     folder = tmp_path_factory.mktemp("tests")
     write_campaign(sphere_campaign(longer(), noise=1.0, per_nest=15), folder / "sphere")
-    nests = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS_MM, start=1))
-    knows = model_of(IRB_120, *parameters_of("geometry", [("a_3", 0.2, "mm")]), nests=nests)
-    write_model(knows, folder / "robot.json")
+    write_model(knowing(), folder / "robot.json")
     points = point_text(read_on(IRB_120, turned(2, _ANGLES), scatter_mm=0.01))
     (folder / "circle.csv").write_text(points, encoding="utf-8")
     return folder

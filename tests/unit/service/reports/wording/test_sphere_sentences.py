@@ -4,24 +4,17 @@ from dataclasses import replace
 
 import pytest
 
-from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
-from tests.helpers.identification.models import IRB_120, model_of, parameters_of
-from truepose.domain.identification import NestCentre
+from tests.helpers.ballbar.spheres import knowing, longer, sphere_campaign
 from truepose.exchange.results.circles_and_spheres import sphere_document
 from truepose.messages.catalogue import IN_ENGLISH, catalogue, english
 from truepose.reports.spheres import order_sentences, sphere_table, sphere_test_sentences
 from truepose.validation.sphere_test import sphere_test
 
 
-def model(by_mm):
-    nests = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS_MM, start=1))
-    return model_of(IRB_120, *parameters_of("geometry", [("a_3", by_mm, "mm")]), nests=nests)
-
-
 def test_models_that_the_lengths_do_not_tell_apart_are_named():
     campaign = sphere_campaign(longer(), noise=1.0, per_nest=15)
 
-    test = sphere_test(campaign, {"first": model(0.2), "second": model(0.201), "third": model(0.1)})
+    test = sphere_test(campaign, {"first": knowing(0.2), "second": knowing(0.201), "third": knowing(0.1)})
 
     said = [english(sentence) for sentence in order_sentences(test, IN_ENGLISH)]
     assert said[0].startswith("Accuracy, best first: ")
@@ -58,7 +51,7 @@ def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
 
 
 def test_the_nominal_arm_has_its_word_in_every_language():
-    test = sphere_test(sphere_campaign(per_nest=8), {"laser": model(0.0)})
+    test = sphere_test(sphere_campaign(per_nest=8), {"laser": knowing(0.0)})
 
     rows = list(sphere_table(test, catalogue("fr")).rows)
 
