@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import CampaignPath, Json, Workers, effect_names, read_measured, writing
+from truepose.cli.files import (
+    CampaignPath,
+    Effects,
+    Json,
+    Workers,
+    effect_names,
+    read_measured,
+    writing,
+)
 from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.messages.catalogue import english
@@ -34,9 +42,7 @@ def reanalyse_command(
         typer.Argument(help="Folder of campaign folders or zips, or a database (file, or sqlite:///file)."),
     ],
     out: Annotated[Path, typer.Option(help="Folder of the results; what it has is not computed again.")],
-    effects: Annotated[
-        str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
-    ] = "auto",
+    effects: Effects = "auto",
     against: Annotated[
         Path | None,
         typer.Option(help="Folder of results of an earlier version; by default --out, then the database."),
@@ -232,9 +238,7 @@ def resample_command(
     ] = ResamplingUnit.CONFIGURATIONS,
     draws: Annotated[int, typer.Option(min=10, max=1_000_000)] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same draws.")] = 0,
-    effects: Annotated[
-        str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
-    ] = "auto",
+    effects: Effects = "auto",
     workers: Workers = None,
     json: Json = False,
 ) -> int:

@@ -8,16 +8,18 @@ import typer
 from truepose.cli.files import (
     AcceptEdited,
     CampaignPath,
+    Effects,
     Json,
     Language,
     MaxShiftMm,
+    ModelFile,
     ReportFile,
     effect_names,
     read_measured,
     require_folders,
     writing,
 )
-from truepose.cli.models import checked_model
+from truepose.cli.models import checked_model, write_found
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
@@ -32,9 +34,7 @@ if TYPE_CHECKING:
 
 def identify_command(
     campaign: CampaignPath,
-    effects: Annotated[
-        str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
-    ] = "auto",
+    effects: Effects = "auto",
     fleet: Annotated[
         Path | None,
         typer.Option(help="What robots of its type say of a further one (`truepose fleet --pooled`)."),
@@ -65,7 +65,7 @@ def identify_command(
     answer = identify(measured, effect_names(effects), believed=believed)
     # Files first: who reads "converged" may rely on the model being there.
     if model_out is not None:
-        _write_model(model_out, answer, words)
+        write_found(answer.model if _converged(answer) else None, model_out, answer.message, words)
     if report is not None:
         _write_report(report, measured, answer, words)
     thesis = _as_thesis(measured) if compare_thesis else None
@@ -118,16 +118,6 @@ def _converged(answer: "Identification") -> bool:
     return answer.model is not None and answer.status.value == "converged"
 
 
-def _write_model(path: Path, answer: "Identification", words: Catalogue) -> None:
-    from truepose.exchange.models.file import write_model
-
-    if answer.model is not None and _converged(answer):
-        with writing(path):
-            write_model(answer.model, path)
-    else:
-        remark([words.say("terminal.no_model", path=str(path), sentence=answer.message)])
-
-
 def _show(answer: "Identification", words: Catalogue) -> None:
     from truepose.reports.identification.summary import identification_summary
 
@@ -141,7 +131,7 @@ def _write_report(path: Path, campaign: "Campaign", answer: "Identification", wo
 
 
 def predict_command(
-    model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
+    model: ModelFile,
     points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and what else is known.")],
     out: Annotated[Path, typer.Option(help="Where the predictions go (CSV).")],
     max_shift_mm: MaxShiftMm = None,

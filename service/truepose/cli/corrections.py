@@ -14,6 +14,7 @@ from truepose.cli.files import (
     Json,
     Language,
     MaxShiftMm,
+    ModelFile,
     require_folders,
     writing,
 )
@@ -36,7 +37,7 @@ class Frame(StrEnum):
 
 
 def correct_command(
-    model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
+    model: ModelFile,
     targets: Annotated[
         Path, typer.Argument(help="A table (.csv) of target, x_mm.. qw.., or a robot program by its ending.")
     ],

@@ -13,8 +13,8 @@ from truepose.cli.files import (
     effect_names,
     read_measured,
     require_folders,
-    writing,
 )
+from truepose.cli.models import write_found
 from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
 
@@ -51,7 +51,7 @@ def diagnose_command(
     answer = _diagnosed(measured, names)
     # Files first: who reads "explained" may rely on the model being there.
     if model_out is not None:
-        _write_model(model_out, answer, words)
+        write_found(answer.model, model_out, answer.message, words)
     if report is not None:
         _write_report(report, _named(campaign, measured, words), measured, answer, words)
     _print(answer, words, as_json=json)
@@ -70,16 +70,6 @@ def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagno
 
     with progress_bar() as told:
         return diagnose(campaign, effects, told)
-
-
-def _write_model(path: Path, answer: "Diagnosis", words: Catalogue) -> None:
-    from truepose.exchange.models.file import write_model
-
-    if answer.model is None:
-        remark([words.say("terminal.no_model", path=str(path), sentence=answer.message)])
-        return
-    with writing(path):
-        write_model(answer.model, path)
 
 
 def _named(campaign: Path, measured: "Campaign", words: Catalogue) -> str:

@@ -23,6 +23,8 @@ def _spoken(language: str) -> str:
 
 
 CampaignPath = Annotated[Path, typer.Argument(help="Campaign folder, or a zip of one.")]
+ModelFile = Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")]
+Effects = Annotated[str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")]
 Language = Annotated[
     str,
     typer.Option(

@@ -15,14 +15,17 @@ from truepose.cli.files import (
     Json,
     Language,
     MaxShiftMm,
+    ModelFile,
     require_folders,
     writing,
 )
 from truepose.cli.output import print_json, print_lines, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
+from truepose.messages.message import Text
 
 if TYPE_CHECKING:
+    from truepose.domain.identification import Model
     from truepose.exchange.models.acceptance import CheckedModel
 
 
@@ -46,6 +49,17 @@ def checked_model(
     return found
 
 
+def write_found(model: "Model | None", file: Path, message: Text, words: Catalogue) -> None:
+    """Write the model that a campaign gave, or say with the `message` of its answer why there is none."""
+    from truepose.exchange.models.file import write_model
+
+    if model is None:
+        remark([words.say("terminal.no_model", path=str(file), sentence=message)])
+        return
+    with writing(file):
+        write_model(model, file)
+
+
 class Form(StrEnum):
     """What a model is written as."""
 
@@ -56,7 +70,7 @@ class Form(StrEnum):
 
 
 def export_command(
-    model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
+    model: ModelFile,
     out: Annotated[Path, typer.Option(help="The file to write; a table is CSV where it ends in .csv.")],
     form: Annotated[
         Form,

@@ -4,9 +4,9 @@ import asyncio
 import contextlib
 import ssl
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from truepose.domain.people import MACHINE, Role
 from truepose.people.errors import AccountRefusedError, UnknownPersonError
@@ -14,10 +14,9 @@ from truepose.people.errors import AccountRefusedError, UnknownPersonError
 if TYPE_CHECKING:
     import httpx
 
-    from truepose.people.accounts import Accounts
+    from truepose.storage.database import Database
     from truepose.storage.secret_files import ReachedService
 
-T = TypeVar("T")
 _HOURS_A_DAY = 24
 _ANSWER_S = 60.0  # a service whose disk is busy takes its time
 
@@ -92,59 +91,39 @@ def administration(url: str | None) -> Iterator[Administration]:
 class _InDatabase(Administration):
     """Works on a database that no service has open."""
 
-    def __init__(self, database: Any) -> None:
-        self._database = database
-
-    def people(self) -> list[dict[str, str]]:
-        async def work(accounts: "Accounts") -> list[dict[str, str]]:
-            active = (person for person in accounts.register.people if person.active)
-            return [{"name": person.name, "role": person.role.value} for person in active]
-
-        return self._do(work)
-
-    def add(self, name: str, role: Role) -> str:
-        async def work(accounts: "Accounts") -> str:
-            return (await accounts.enter_by_machine(name, role))[1]
-
-        return f"/welcome/{self._do(work)}"
-
-    def link(self, name: str) -> str:
-        async def work(accounts: "Accounts") -> str:
-            return await accounts.link(accounts.register.require(name), MACHINE)
-
-        return f"/welcome/{self._do(work)}"
-
-    def change_role(self, name: str, role: Role) -> None:
-        async def work(accounts: "Accounts") -> None:
-            await accounts.register.change_role(accounts.register.require(name), role, MACHINE)
-
-        self._do(work)
-
-    def remove(self, name: str) -> None:
-        async def work(accounts: "Accounts") -> None:
-            await accounts.register.remove(accounts.register.require(name), MACHINE)
-
-        self._do(work)
-
-    def token(self, owner: str, name: str, role: Role, days: int) -> str:
-        async def work(accounts: "Accounts") -> str:
-            return (await accounts.make_token(accounts.register.require(owner), name, role, days, MACHINE))[1]
-
-        return self._do(work)
-
-    def _do(self, work: "Callable[[Accounts], Awaitable[T]]") -> T:
+    def __init__(self, database: "Database") -> None:
         from truepose.people.accounts import Accounts
         from truepose.people.register import Register
         from truepose.people.secrets import Pins
         from truepose.storage.people import CredentialRepository
         from truepose.storage.secret_files import Pepper
 
-        async def working() -> T:
-            register = Register(CredentialRepository(self._database))
-            await register.load()
-            return await work(Accounts(register, Pins(Pepper.beside(self._database.file))))
+        self._register = Register(CredentialRepository(database))
+        asyncio.run(self._register.load())
+        self._accounts = Accounts(self._register, Pins(Pepper.beside(database.file)))
 
-        return asyncio.run(working())
+    def people(self) -> list[dict[str, str]]:
+        active = (person for person in self._register.people if person.active)
+        return [{"name": person.name, "role": person.role.value} for person in active]
+
+    def add(self, name: str, role: Role) -> str:
+        _, secret = asyncio.run(self._accounts.enter_by_machine(name, role))
+        return f"/welcome/{secret}"
+
+    def link(self, name: str) -> str:
+        secret = asyncio.run(self._accounts.link(self._register.require(name), MACHINE))
+        return f"/welcome/{secret}"
+
+    def change_role(self, name: str, role: Role) -> None:
+        asyncio.run(self._register.change_role(self._register.require(name), role, MACHINE))
+
+    def remove(self, name: str) -> None:
+        asyncio.run(self._register.remove(self._register.require(name), MACHINE))
+
+    def token(self, owner: str, name: str, role: Role, days: int) -> str:
+        person = self._register.require(owner)
+        _, secret = asyncio.run(self._accounts.make_token(person, name, role, days, MACHINE))
+        return secret
 
 
 class _ThroughService(Administration):

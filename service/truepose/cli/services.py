@@ -55,6 +55,8 @@ PinSecret = Annotated[
     Path | None,
     typer.Option(help="File of the secret that PINs are mixed with; by default beside the database."),
 ]
+Host = Annotated[str, typer.Option(help="Address to listen on.")]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")]
 Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 Faults = Annotated[
     Path | None, typer.Option(help="What goes wrong in the simulated cell, and when (TOML, docs/faults.md).")
@@ -126,8 +128,8 @@ def serve_command(
         str | None,
         typer.Option(help="URL of its records: sqlite:///cell.db, or postgresql://user@host/name."),
     ] = None,
-    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,
+    host: Host = "127.0.0.1",
+    port: Port = 8000,
     allowed_host: Annotated[
         list[str] | None,
         typer.Option(
@@ -187,7 +189,7 @@ def simulate_command(
     seed: Seed = 0,
     port_base: Annotated[int, typer.Option(min=0, max=65535, help="First port; 0 picks free ones.")] = 0,
     pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: waiting costs nothing.")] = 1,
-    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    host: Host = "127.0.0.1",
     model: Annotated[
         Path | None,
         typer.Option(help="Identified model (JSON): its robot, base and tool replace the scenario's."),
@@ -225,8 +227,8 @@ def plant_command(
     database: Annotated[
         str, typer.Option(help="URL of its own records: sqlite:///plant.db, or postgresql://user@host/name.")
     ],
-    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8100,
+    host: Host = "127.0.0.1",
+    port: Port = 8100,
     every: Annotated[
         float, typer.Option(parser=seconds, help="Time between two visits to a cell.", metavar="30s|10m|1h")
     ] = 30.0,
