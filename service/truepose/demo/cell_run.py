@@ -93,12 +93,16 @@ async def run_cell(request: CellRequest, out: Path, progress: RunProgress) -> Ce
         identifying = await client.identify(campaign_id)
         campaign = read_campaign_zip(await client.download(f"/campaigns/{campaign_id}/archive"))
         write_campaign(campaign, out / CAMPAIGN_FOLDER)
-        identified = await _identify(client, identifying, progress)
+        with progress.phase("identifying") as told:
+            identified = await client.result_of(identifying, "identifications", told)
+        validation = await _validate(client, identified["model_id"], campaign_id, request, progress)
+        with progress.phase("diagnosing") as told:
+            diagnosis = await client.result_of(diagnosing, "diagnoses", told)
         return CellRun(
             request=request,
             identification=identified["document"],
-            validation=await _validate(client, identified["model_id"], campaign_id, request, progress),
-            diagnosis=await _diagnose(client, diagnosing, progress),
+            validation=validation,
+            diagnosis=diagnosis,
             campaign=campaign,
             model=await _model(client, identified["model_id"], out / MODEL_FILE),
             true=await _truth(endpoints["truth"], campaign, simulated_cell(request.scenario, request.seed)),
@@ -114,13 +118,6 @@ async def _endpoints(client: ServiceClient) -> _Endpoints:
     return {entry["device"]: (entry["host"], entry["port"]) for entry in cell["endpoints"]}
 
 
-async def _identify(client: ServiceClient, job_id: int, progress: RunProgress) -> dict[str, Any]:
-    with progress.phase("identifying") as told:
-        number = await client.finish_job(job_id, told)
-    answer: dict[str, Any] = await client.get(f"/identifications/{number}")
-    return answer
-
-
 async def _validate(
     client: ServiceClient,
     model_id: int | None,
@@ -131,16 +128,10 @@ async def _validate(
     if model_id is None:
         return None
     with progress.phase("validating") as told:
-        number = await client.finish_job(await client.validate(model_id, campaign_id, request.limit_mm), told)
-    document: dict[str, Any] = (await client.get(f"/validations/{number}"))["document"]
+        job = await client.validate(model_id, campaign_id, request.limit_mm)
+        judged = await client.result_of(job, "validations", told)
+    document: dict[str, Any] = judged["document"]
     return document
-
-
-async def _diagnose(client: ServiceClient, job_id: int, progress: RunProgress) -> dict[str, Any]:
-    with progress.phase("diagnosing") as told:
-        number = await client.finish_job(job_id, told)
-    answer: dict[str, Any] = await client.get(f"/diagnoses/{number}")
-    return answer
 
 
 async def _records(client: ServiceClient, calibration_id: int, validation_id: int) -> SessionRecords:

@@ -119,6 +119,11 @@ class ServiceClient:
                     return _made(job_id, event, told)
         raise ServiceFailedError(f"The service ended its events before job {job_id} had ended; see its log.")
 
+    async def result_of(self, job_id: int, kind: str, told: Told) -> dict[str, Any]:
+        """Follow a job to its end and return its record, one of `kind`; raises JobFailedError."""
+        made: dict[str, Any] = await self.get(f"/{kind}/{await self.finish_job(job_id, told)}")
+        return made
+
     async def run_session(self, session_id: int, told: Told) -> None:
         """Start a session, confirm it as a person would, and follow it; raises SessionHaltedError."""
         await self.begin(session_id)

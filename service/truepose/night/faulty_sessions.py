@@ -6,6 +6,7 @@ session, again and again, and goes on where it was.
 """
 
 import asyncio
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
@@ -114,14 +115,21 @@ class _Lives:
         planned = int(self._ended["planned"])
         return [
             none_of("acknowledged readings lost or changed", self._lost),
-            none_of("configurations measured twice", self._twice()),
+            _measured_twice([one for one in self._known if _counts(one)]),
             none_of("restarts after which something moved by itself", self._moved),
             Check("configurations", f"{planned} measured", done, int(self._ended["measured"]) == planned),
         ]
 
-    def _twice(self) -> list[str]:
-        counting = [r["point"]["config"] for r in self._known if r["point"] and r["superseded_by"] is None]
-        return [f"configuration {one}" for one in sorted(set(counting)) if counting.count(one) > 1]
+
+def _counts(reading: Mapping[str, Any]) -> bool:
+    return reading["point"] is not None and reading["superseded_by"] is None
+
+
+def _measured_twice(readings: Sequence[Mapping[str, Any]]) -> Check:
+    """Return the check that no configuration has more than one of the readings that count."""
+    measured = Counter(reading["point"]["config"] for reading in readings)
+    twice = [f"configuration {config}" for config, count in sorted(measured.items()) if count > 1]
+    return none_of("configurations measured twice", twice)
 
 
 _CONFIGURATIONS: Final = 30
@@ -218,10 +226,6 @@ async def _ended(client: ServiceClient, session_id: int) -> Attendance:
         return await attend(client, session_id)
 
 
-def _counts(reading: Mapping[str, Any]) -> bool:
-    return reading["point"] is not None and reading["superseded_by"] is None
-
-
 async def _errors_mm(client: ServiceClient, readings: Sequence[Mapping[str, Any]]) -> FloatArray:
     """Return how far readings are from what was true of their stops, shape (n,)."""
     (cell,) = await client.get("/cells")
@@ -247,14 +251,13 @@ def _checks(
     configurations = [one["point"]["config"] for one in readings]
     left_out = {one["config"]: one["reason"] for one in session["skipped_stops"]}
     unknown = sorted(set(range(1, session["planned"] + 1)) - {*configurations, *left_out})
-    twice = sorted({one for one in configurations if configurations.count(one) > 1})
     silent = [f"configuration {config}" for config, reason in left_out.items() if not reason]
     largest = float(errors_mm.max(initial=0.0))
     state = f"{seen.session['state']}, a person was asked {len(seen.reasons)} times"
     return [
         at_most("largest error of a reading that is kept", largest, _FALSE_MM, "mm", 3),
         none_of("configurations neither measured nor left out", [f"configuration {n}" for n in unknown]),
-        none_of("configurations measured twice", [f"configuration {n}" for n in twice]),
+        _measured_twice(readings),
         none_of("configurations left out without a reason", silent),
         at_most("configurations left out", len(left_out), _FAULTS, "of 30", 0),
         Check("session", "finished", state, seen.finished),

@@ -17,7 +17,7 @@ from truepose.night.faulty_sessions import FaultySession, KilledService
 from truepose.night.history import HISTORY, append_night, read_history
 from truepose.night.planted_causes import planted_causes
 from truepose.night.results import CaseOutcome, NightRun, print_night, write_night
-from truepose.night.trackerless_cells import BallbarCell, loop_cells
+from truepose.night.trackerless_cells import ballbar_cells, loop_cells
 
 # Accuracy is compared between nights: only the program may change in between, not the robot.
 _SAME_CELLS = 0
@@ -30,7 +30,7 @@ def night_cases(seed: int, benches: tuple[str, ...] = ()) -> list[NightCase]:
     """
     return [
         *calibrated_cells(_SAME_CELLS),
-        *(BallbarCell(scenario, _SAME_CELLS) for scenario in ("irb120-tilted", "lrmate-tilted")),
+        *ballbar_cells(_SAME_CELLS),
         *loop_cells(_SAME_CELLS),
         *planted_causes(seed),
         *(FaultySession(scenario, seed) for scenario in ("irb120-clean", "lrmate-fanuc", "ur10-clean")),

@@ -23,21 +23,20 @@ def finding(effect="joint_harmonics", subject="joint 4", amplitude=0.041, rivals
     }
 
 
-def checks(*findings, small=()):
-    document = {"verdict": "explained", "findings": list(findings), "small_findings": list(small)}
+def judged(verdict, findings=(), small=()):
+    document = {"verdict": verdict, "findings": list(findings), "small_findings": list(small)}
     run = SimpleNamespace(
         identification={"status": "converged"}, converged=True, diagnosis={"document": document}
     )
-    return {check.figure: check for check in _checks(SimpleNamespace(run=run), WAVE)}
+    return SimpleNamespace(run=run)
+
+
+def checks(*findings, small=()):
+    return {check.figure: check for check in _checks(judged("explained", findings, small), WAVE)}
 
 
 def test_a_wave_that_is_not_found_is_missed_with_what_was_found_instead():
-    document = {"verdict": "consistent", "findings": [], "small_findings": []}
-    run = SimpleNamespace(
-        identification={"status": "converged"}, converged=True, diagnosis={"document": document}
-    )
-
-    status, diagnosis = wavy_gear_case(3).checks(SimpleNamespace(run=run))
+    status, diagnosis = wavy_gear_case(3).checks(judged("consistent"))
 
     assert status.passed
     assert (diagnosis.passed, diagnosis.measured, diagnosis.target) == (
