@@ -276,14 +276,22 @@ def _registration(judged: Assessment, campaign: Campaign) -> Contribution:
     return _acting(source, stated, judged, motion_shifts(judged, registration.covariance))
 
 
-def _scale(judged: Assessment, model: Model, conditions: ReportConditions) -> Contribution:
-    source, relative = message("budget.scale"), conditions.scale_standard_uncertainty
+def scale_stated(conditions: ReportConditions) -> Message:
+    """Return what is known of the scale of lengths."""
+    relative = conditions.scale_standard_uncertainty
     if relative is None:
-        unverified = message("budget.scale.not_verified")
-        return Contribution(source, "B", unverified, remark=message("budget.scale.not_included"))
+        return message("budget.scale.not_verified")
+    return message("budget.scale.stated", u=uncertainty(relative))
+
+
+def _scale(judged: Assessment, model: Model, conditions: ReportConditions) -> Contribution:
+    source, stated = message("budget.scale"), scale_stated(conditions)
+    relative = conditions.scale_standard_uncertainty
+    if relative is None:
+        return Contribution(source, "B", stated, remark=message("budget.scale.not_included"))
     origin = model.instrument_mm if model.instrument_mm is not None else (0.0, 0.0, 0.0)
     shifts = relative * growth(judged, np.array(origin))
-    return _acting(source, message("budget.scale.stated", u=uncertainty(relative)), judged, shifts)
+    return _acting(source, stated, judged, shifts)
 
 
 def _temperature(judged: Assessment, model: Model, conditions: ReportConditions) -> Contribution:

@@ -23,6 +23,7 @@ from truepose.reports.report import Description, Report
 from truepose.reports.rounding import format_rounded, millimetres, uncertainty, uncertainty_mm
 from truepose.reports.tables import Table, on_terminal
 from truepose.reports.traceability import NOT_STATED, ReportConditions, with_temperature
+from truepose.reports.uncertainty_budget import scale_stated
 from truepose.validation.iso9283.pose_test import PoseTest
 from truepose.validation.outcome import outcome_of
 from truepose.validation.uncertainty import DecidingReading, deciding_reading, known
@@ -279,7 +280,9 @@ def _left_out(conditions: ReportConditions) -> Iterator[Part]:
     """Yield what is not counted: what is judged, and what nobody verified."""
     judged = message("budget.deciding.judged")
     yield Part(message("budget.scatter"), "B", judged, remark=message("budget.deciding.judged.remark"))
-    yield Part(message("budget.scale"), "B", _scale(conditions), remark=message("budget.scale.not_included"))
+    yield Part(
+        message("budget.scale"), "B", scale_stated(conditions), remark=message("budget.scale.not_included")
+    )
     warmth = conditions.temperature_c
     stated = (
         message(NOT_STATED)
@@ -287,10 +290,3 @@ def _left_out(conditions: ReportConditions) -> Iterator[Part]:
         else message("conditions.temperatures", lowest_c=warmth[0], highest_c=warmth[1])
     )
     yield Part(message("budget.temperature"), "B", stated, remark=message("budget.temperature.not_included"))
-
-
-def _scale(conditions: ReportConditions) -> Message:
-    relative = conditions.scale_standard_uncertainty
-    if relative is None:
-        return message("budget.scale.not_verified")
-    return message("budget.scale.stated", u=uncertainty(relative))

@@ -2,19 +2,18 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from truepose.domain.identification import Identification, Parameter, Statistics
-from truepose.exchange.models.document import file_factor, file_unit
+from truepose.domain.identification import Identification, Statistics
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text as Said
 from truepose.reports.cause_words import printed_unit
 from truepose.reports.error_tables import title_of, turns_table
 from truepose.reports.identification.judged_figures import figures_table
-from truepose.reports.identification.parameters import is_held_by_prior
+from truepose.reports.identification.parameters import is_held_by_prior, parameter_cells, parameter_table
 from truepose.reports.rounding import MISSING, format_rounded, uncertainty
 from truepose.reports.tables import Table, heads_of, on_terminal
 from truepose.validation.outcome import outcome_of
@@ -101,12 +100,5 @@ def _summary(identification: Identification, words: Catalogue) -> Iterator[Rende
 def added_table(identification: Identification, words: Catalogue) -> Table:
     """Return what is added to the nominal values, as documents do; what only a prior holds stands out."""
     held = [row for row, one in enumerate(identification.parameters) if is_held_by_prior(one)]
-    rows = [_added_row(one) for one in identification.parameters]
-    heads = heads_of(words, "report.parameter", "report.value", "u", "report.unit")
-    return Table(heads, rows, 1, strong=held)
-
-
-def _added_row(parameter: Parameter) -> tuple[str, ...]:
-    factor, unit = file_factor(parameter.unit), file_unit(parameter.unit)
-    u = parameter.standard_uncertainty * factor
-    return parameter.name, format_rounded(parameter.value * factor, u), uncertainty(u), printed_unit(unit)
+    rows = (parameter_cells(one, one.value, words) for one in identification.parameters)
+    return replace(parameter_table(rows, words).of_columns(1, 2, 3, 4), strong=held)
