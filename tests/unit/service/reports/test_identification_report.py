@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_model, make_statistics
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import HOSTILE, Page, assert_asks_nothing, assert_hostile_text_stays_text
 from truepose.domain.campaign import LegReadings
 from truepose.domain.cell import Artefact
 from truepose.domain.identification import NominalAndIdentified, Outlier, PureError
@@ -15,7 +15,6 @@ from truepose.reports.identification.summary import TrueParameter, Truth
 from truepose.reports.traceability import Instrument, Period, ReportConditions
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
-HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
 
 
 def report_of(tmp_path, identification, campaign, **parts):
@@ -57,17 +56,7 @@ def test_a_plain_campaign_gives_a_complete_report(plain_report):
 
 
 def test_the_file_asks_nothing_from_anywhere(plain_report):
-    page = Page(plain_report)
-
-    assert not page.tags & {"script", "link", "iframe", "object", "embed", "base"}
-    loaded = [
-        value
-        for tag, attributes in page.elements
-        for name, value in attributes.items()
-        if name in {"src", "href", "xlink:href", "srcset", "data"}
-    ]
-    assert all(value.startswith(("#", "data:image/png;base64,")) for value in loaded)
-    assert "@import" not in plain_report
+    assert_asks_nothing(plain_report, pixels=True)
     assert len(plain_report) < 6_000_000
 
 
@@ -103,10 +92,7 @@ def test_text_of_users_stays_text(tmp_path, identification, campaign):
 
     page = Page(report_of(tmp_path, said, hostile, conditions=conditions, truth=truth))
 
-    assert "script" not in page.tags
-    assert "img" not in page.tags
-    assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
-    assert HOSTILE in page.text
+    assert_hostile_text_stays_text(page)
 
 
 def test_whatever_nobody_stated_is_shown_as_not_stated(plain_report):
