@@ -325,6 +325,20 @@ def listing(*statuses: int) -> dict[int | str, dict[str, Any]]:
     return {200: {"headers": _HEADERS}, **problems(*statuses)}
 
 
+def sending(what: str, content: dict[str, Any]) -> dict[int | str, dict[str, Any]]:
+    """Return what a route that sends a file or a stream lists under `responses`, beside its problems."""
+    return {200: {"description": what, "content": content}}
+
+
+# What most operations list under `responses`: those that show a record, that the present state may forbid,
+# that take a body as well, and lists of everything or of what belongs to a record.
+READ: Final = problems(404, 422, 503)
+ACT: Final = problems(404, 409, 422, 503)
+CHANGE: Final = problems(400, 404, 409, 413, 415, 422, 503)
+LIST: Final = listing(422, 503)
+LIST_OF_RECORD: Final = listing(404, 422, 503)
+
+
 async def while_present(request: Request, work: Coroutine[Any, Any, T]) -> T:
     """Return what `work` returns; it is cancelled once the client has gone.
 

@@ -17,7 +17,7 @@ from truepose.people.register import Caller
 from truepose.sessions.engine.commands import HALTS, LETS_MOVE, CommandName
 from truepose.web.context import Context, Here
 from truepose.web.middleware.rights import CurrentCaller, current_request
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import READ, Id, problems, resource
 from truepose.web.schemas import Reply, Request, example
 
 
@@ -64,7 +64,7 @@ async def require_authority(here: Context, session_id: int, act: CommandName) ->
         here.people.leases.claim(session_id, caller)
 
 
-@router.get("/{id}/authority", responses=problems(404, 422, 503))
+@router.get("/{id}/authority", responses=READ)
 async def get_authority(here: Here, asker: CurrentCaller, id: Id) -> AuthorityReply:
     """Say who acts in a session."""
     await here.sessions.get(id)
@@ -93,7 +93,7 @@ async def claim_authority(
     return _reply(here, here.people.leases.claim(id, asker), asker)
 
 
-@router.delete("/{id}/authority", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 422, 503))
+@router.delete("/{id}/authority", status_code=status.HTTP_204_NO_CONTENT, responses=READ)
 async def give_up_authority(here: Here, asker: CurrentCaller, id: Id) -> None:
     """Leave the authority over a session to whoever acts next."""
     await here.sessions.get(id)

@@ -16,14 +16,17 @@ from truepose.analysis.campaigns.records import NOTHING, UploadDetails
 from truepose.storage.records import CampaignRecord
 from truepose.web.context import Context, Here
 from truepose.web.resources import (
+    CHANGE,
+    LIST,
+    READ,
     Id,
     IdempotencyKey,
     OptionalKey,
     Paged,
-    listing,
     problems,
     request_key,
     resource,
+    sending,
     while_present,
 )
 from truepose.web.schemas import (
@@ -188,11 +191,7 @@ async def upload_campaign(
     return campaign_reply(await here.campaigns.get(number))
 
 
-@router.post(
-    "/sessions/{id}/campaign",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/sessions/{id}/campaign", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_campaign(
     here: Here, id: Id, wanted: CampaignRequest, response: Response, key: OptionalKey
 ) -> CampaignReply:
@@ -202,13 +201,13 @@ async def make_campaign(
     return campaign_reply(await here.campaigns.get(number))
 
 
-@router.get("/campaigns", responses=listing(422, 503))
+@router.get("/campaigns", responses=LIST)
 async def list_campaigns(here: Here, paging: Paged) -> list[CampaignReply]:
     """List campaigns, oldest first."""
     return paging.shown(await here.campaigns.page(paging.page), campaign_reply)
 
 
-@router.get("/campaigns/{id}", responses=problems(404, 422, 503))
+@router.get("/campaigns/{id}", responses=READ)
 async def get_campaign(here: Here, id: Id) -> CampaignReply:
     """Show what a campaign holds."""
     return campaign_reply(await here.campaigns.get(id))
@@ -217,10 +216,7 @@ async def get_campaign(here: Here, id: Id) -> CampaignReply:
 @router.get(
     "/campaigns/{id}/archive",
     response_class=Response,
-    responses={
-        200: {"description": "Zip of the campaign folder.", "content": _ZIP},
-        **problems(404, 422, 503),
-    },
+    responses=sending("Zip of the campaign folder.", _ZIP) | READ,
 )
 async def download_campaign(here: Here, id: Id) -> Response:
     """Download the zip of a campaign folder: an upload as it came, byte for byte."""

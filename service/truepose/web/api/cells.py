@@ -6,7 +6,7 @@ from pydantic import Field
 from truepose.domain.cell import Cell
 from truepose.sessions.devices import DeviceStatus
 from truepose.web.context import Endpoint, Here
-from truepose.web.resources import Counted, Name, listing, problems, resource
+from truepose.web.resources import LIST, Counted, Name, problems, resource
 from truepose.web.schemas import Point, Reply
 from truepose_drivers.api import DeviceKind
 
@@ -108,7 +108,7 @@ def device_reply(status: DeviceStatus) -> DeviceReply:
 router = resource("/cells", tags=["cells"])
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_cells(here: Here, paging: Counted) -> list[CellReply]:
     """List the cells of this service: the one of its cell file."""
     return paging.of([here.cell], lambda cell: cell_reply(cell, here.endpoints))

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from truepose.storage.plant.outbox import Outbox, OutboxLink, to_typed_json
 from truepose.web.context import Here
-from truepose.web.resources import problems, resource
+from truepose.web.resources import problems, resource, sending
 from truepose.web.schemas import NUMBER_LIMIT, Reply
 
 LINES: Final = "application/x-ndjson"  # media type of links
@@ -43,13 +43,14 @@ class ChainHeadReply(Reply):
 router = resource("/chain", tags=["plant"])
 MOST_LINKS: Final = 5000
 MOST_BYTES: Final = 8 * 2**20  # of a page, unless its first record alone has more
-_CONTENT: Final = {
-    LINES: {
-        "schema": {"type": "string"},
-        "example": '{"link":1,"stream":0,"record":"campaigns","record_id":1,"hash":"9f86...",'
-        '"row":{"id":1,"name":"left arm"}}\n{"end":1,"newest":1}\n',
-    }
-}
+_EXAMPLE: Final = (
+    '{"link":1,"stream":0,"record":"campaigns","record_id":1,"hash":"9f86...",'
+    '"row":{"id":1,"name":"left arm"}}\n{"end":1,"newest":1}\n'
+)
+_SENT: Final = sending(
+    "A link a line, then one line that says how far it goes.",
+    {LINES: {"schema": {"type": "string"}, "example": _EXAMPLE}},
+)
 At = Annotated[
     int | None,
     Query(alias="links", ge=0, le=NUMBER_LIMIT, description="As it was with so many links; else as it is."),
@@ -79,14 +80,7 @@ async def get_chain_head(here: Here, at: At = None) -> ChainHeadReply:
     )
 
 
-@router.get(
-    "/links",
-    response_class=Response,
-    responses={
-        200: {"description": "A link a line, then one line that says how far it goes.", "content": _CONTENT},
-        **problems(422, 503),
-    },
-)
+@router.get("/links", response_class=Response, responses=_SENT | problems(422, 503))
 async def list_links(here: Here, after: After = 0, limit: Limit = 500) -> StreamingResponse:
     """Send links of the chain with their records, in their order, so that each hash can be computed anew.
 

@@ -8,7 +8,7 @@ from pydantic import Field
 from truepose.domain.cell import ClosedAs, Closing, JudgedPaper, Standing
 from truepose.exchange.results.document import FieldSource, null_if_empty
 from truepose.web.context import Here
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import CHANGE, READ, Id, resource
 from truepose.web.schemas import PersonName, Reply, Request
 
 
@@ -62,7 +62,7 @@ def closing_reply(closing: Closing) -> ClosingReply:
 router = resource("/sessions", tags=["sessions"])
 
 
-@router.get("/{id}/closing", responses=problems(404, 422, 503))
+@router.get("/{id}/closing", responses=READ)
 async def get_closing(here: Here, id: Id) -> ClosingReply:
     """Show what a session is closed as, and the certificates that its readings rest on."""
     await here.sessions.get(id)
@@ -70,11 +70,7 @@ async def get_closing(here: Here, id: Id) -> ClosingReply:
     return open_reply(await here.closing_desk.certificates(id)) if closing is None else closing_reply(closing)
 
 
-@router.post(
-    "/{id}/closing",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/closing", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def close_session(here: Here, id: Id, wanted: ClosingRequest) -> ClosingReply:
     """Close a session that has ended, once and for all.
 

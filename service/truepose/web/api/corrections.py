@@ -28,14 +28,17 @@ from truepose.storage.records import CorrectionRecord
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import (
+    LIST,
+    LIST_OF_RECORD,
+    READ,
     Id,
     IdempotencyKey,
     Paged,
     Sender,
-    listing,
     problems,
     request_key,
     resource,
+    sending,
     while_present,
 )
 from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
@@ -264,26 +267,26 @@ async def correct_file(
     return await queued_job(here, number, response)
 
 
-@router.get("/models/{id}/corrections", responses=listing(404, 422, 503))
+@router.get("/models/{id}/corrections", responses=LIST_OF_RECORD)
 async def list_corrections_of_model(here: Here, id: Id, paging: Paged) -> list[CorrectionReply]:
     """List the corrections by a model, oldest first."""
     await here.results.model(id)
     return paging.shown(await here.corrections.of_model(id, paging.page), correction_reply)
 
 
-@router.get("/corrections", responses=listing(422, 503))
+@router.get("/corrections", responses=LIST)
 async def list_corrections(here: Here, paging: Paged) -> list[CorrectionReply]:
     """List corrections, oldest first."""
     return paging.shown(await here.corrections.page(paging.page), correction_reply)
 
 
-@router.get("/corrections/{id}", responses=problems(404, 422, 503))
+@router.get("/corrections/{id}", responses=READ)
 async def get_correction(here: Here, id: Id) -> CorrectionReply:
     """Show what a file came to: counts, extremes, and what was left alone."""
     return correction_reply(await here.corrections.get(id))
 
 
-@router.get("/corrections/{id}/targets", responses=listing(404, 422, 503))
+@router.get("/corrections/{id}/targets", responses=LIST_OF_RECORD)
 async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
     """List the targets of a file with what became of each, in the order of the file."""
     targets, page = await here.corrections.targets(id), paging.page
@@ -295,10 +298,7 @@ async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
 @router.get(
     "/corrections/{id}/file",
     response_class=Response,
-    responses={
-        200: {"description": "The corrected file.", "content": _ANY_FILE},
-        **problems(404, 422, 503),
-    },
+    responses=sending("The corrected file.", _ANY_FILE) | READ,
 )
 async def download_corrected(here: Here, id: Id) -> Response:
     """Download the corrected file: of a program all but the numbers of its targets is as it came."""

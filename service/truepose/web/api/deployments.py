@@ -17,7 +17,7 @@ from truepose.validation.model_comparison import FarValue
 from truepose.web.api.models import ModelReply, model_reply
 from truepose.web.context import Here
 from truepose.web.middleware.rights import CurrentCaller, current_request
-from truepose.web.resources import Id, Paged, RequiredKey, listing, problems, resource
+from truepose.web.resources import ACT, CHANGE, LIST, READ, Id, Paged, RequiredKey, resource
 from truepose.web.schemas import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
 _OF_VALUE: Final = ("name", "value", "unit", "prior_width")
@@ -156,7 +156,7 @@ def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
 router = resource("/hand-downs", tags=["plant"])
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+@router.post("", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def accept_hand_down(
     here: Here, asker: CurrentCaller, response: Response, wanted: HandedDownRequest, key: RequiredKey
 ) -> HandedDownReply:
@@ -171,30 +171,26 @@ async def accept_hand_down(
     return handed_down_reply(await kept.get(number))
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
     """List what the plant handed down, oldest first."""
     return paging.shown(await HandedDownRepository(here.database).page(paging.page), handed_down_reply)
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
     """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
     return handed_down_reply(await HandedDownRepository(here.database).get(id))
 
 
-@router.get("/{id}/check", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/check", responses=ACT)
 async def get_hand_down_check(here: Here, id: Id) -> ModelCheckReply:
     """Show how far a handed-down model moves the tool here, and which values are far from their priors."""
     told = _require_model(await HandedDownRepository(here.database).get(id))
     return model_check_reply(await asyncio.to_thread(fitting_model, told.document, here.cell))
 
 
-@router.post(
-    "/{id}/acceptance",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/acceptance", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def accept_handed_down_model(
     here: Here, id: Id, wanted: AcceptanceRequest, response: Response
 ) -> ModelReply:
@@ -211,11 +207,7 @@ async def accept_handed_down_model(
     return model_reply(await here.results.model(number))
 
 
-@router.post(
-    "/{id}/uses",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/uses", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownReply:
     """Put on record that somebody used what was handed down, and for what; the plant sees it as well."""
     kept = HandedDownRepository(here.database)

@@ -2,7 +2,7 @@
 
 from truepose.web.api.cells import DeviceReply, device_reply
 from truepose.web.context import Here
-from truepose.web.resources import Counted, Name, listing, problems, resource
+from truepose.web.resources import ACT, Counted, Name, listing, problems, resource
 
 router = resource("/devices", tags=["devices"])
 
@@ -19,7 +19,7 @@ async def get_device(here: Here, name: Name) -> DeviceReply:
     return device_reply(here.rack.status(name))
 
 
-@router.post("/{name}/connect", responses=problems(404, 409, 422, 503))
+@router.post("/{name}/connect", responses=ACT)
 async def connect_device(here: Here, name: Name) -> DeviceReply:
     """Open the link to a device and ask it who it is; 503 with a sentence where it does not answer."""
     return device_reply(await here.rack.connect(name))

@@ -18,7 +18,7 @@ from truepose.storage.records import DiagnosisRecord, RequestKey
 from truepose.web.api.identifications import EffectNames
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
-from truepose.web.resources import Id, OptionalKey, Paged, Sender, listing, problems, resource
+from truepose.web.resources import ACT, CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
 from truepose.web.schemas import (
     Day,
     Number,
@@ -231,7 +231,6 @@ def _alarm(alarm: Alarm) -> AlarmReply:
 
 
 router = resource(tags=["diagnoses"])
-_ASKED = problems(400, 404, 409, 413, 415, 422, 503)
 RobotName = Annotated[
     str,
     Query(min_length=1, max_length=200, description="As its diagnoses name it.", examples=["ABB IRB 120"]),
@@ -247,7 +246,7 @@ SerialNumber = Annotated[
 ]
 
 
-@router.post("/diagnoses", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
+@router.post("/diagnoses", status_code=status.HTTP_202_ACCEPTED, responses=CHANGE)
 async def diagnose_campaign(
     here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
@@ -257,7 +256,7 @@ async def diagnose_campaign(
     return await queued_job(here, number, response)
 
 
-@router.post("/sessions/{id}/diagnosis", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
+@router.post("/sessions/{id}/diagnosis", status_code=status.HTTP_202_ACCEPTED, responses=CHANGE)
 async def diagnose_session(
     here: Here, id: Id, wanted: SessionDiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
@@ -275,13 +274,13 @@ async def diagnose_session(
     return await queued_job(here, number, response)
 
 
-@router.get("/diagnoses", responses=listing(422, 503))
+@router.get("/diagnoses", responses=LIST)
 async def list_diagnoses(here: Here, paging: Paged) -> list[DiagnosisSummaryReply]:
     """List diagnoses, oldest first, each with its first line and its findings."""
     return paging.shown(await here.diagnoses.page(paging.page), diagnosis_summary_reply)
 
 
-@router.get("/diagnoses/comparison", responses=problems(404, 409, 422, 503))
+@router.get("/diagnoses/comparison", responses=ACT)
 async def compare_diagnoses(
     here: Here, robot: RobotName, serial_number: SerialNumber = None
 ) -> ComparisonReply:
@@ -290,7 +289,7 @@ async def compare_diagnoses(
     return comparison_reply(robot, records, causes)
 
 
-@router.get("/diagnoses/{id}", responses=problems(404, 422, 503))
+@router.get("/diagnoses/{id}", responses=READ)
 async def get_diagnosis(here: Here, id: Id) -> DiagnosisReply:
     """Show a diagnosis: the document that `truepose diagnose --json` prints."""
     return diagnosis_reply(await here.diagnoses.get(id))

@@ -11,7 +11,7 @@ from truepose.exchange.import_wizard.dialogue import Asked, Kind, Understood
 from truepose.exchange.results.document import FieldSource, Quantity, Spoken
 from truepose.storage.drafts import Draft
 from truepose.web.context import Here
-from truepose.web.resources import Counted, Id, listing, problems, resource
+from truepose.web.resources import CHANGE, LIST, READ, Counted, Id, problems, resource
 from truepose.web.schemas import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -338,19 +338,19 @@ async def start_draft(here: Here, response: Response, wanted: NewDraftRequest) -
     return draft_reply(draft)
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_drafts(here: Here, paging: Counted) -> list[DraftReply]:
     """List drafts, the latest first; there are twenty at most."""
     return paging.of(await here.draft_desk.all(), draft_reply)
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_draft(here: Here, id: Id) -> DraftReply:
     """Show the files of a draft, and what was said of them."""
     return draft_reply(await here.draft_desk.get(id))
 
 
-@router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 422, 503))
+@router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=READ)
 async def remove_draft(here: Here, id: Id) -> None:
     """Throw a draft away; what was made of it stays."""
     await here.draft_desk.remove(id)
@@ -377,7 +377,7 @@ async def add_draft_file(here: Here, request: HttpRequest, id: Id, name: NameOfF
         ) from error
 
 
-@router.delete("/{id}/files", responses=problems(404, 422, 503))
+@router.delete("/{id}/files", responses=READ)
 async def remove_draft_file(here: Here, id: Id, number: FileNumber) -> DraftReply:
     """Take a file out of a draft."""
     return draft_reply(await here.draft_desk.remove_file(id, number))
@@ -389,18 +389,14 @@ async def correct_draft(here: Here, id: Id, said: DraftRequest) -> DraftReply:
     return draft_reply(await here.draft_desk.say(id, said.model_dump(mode="json", exclude_unset=True)))
 
 
-@router.get("/{id}/understood", responses=problems(404, 422, 503))
+@router.get("/{id}/understood", responses=READ)
 async def get_understood(here: Here, id: Id) -> UnderstoodReply:
     """Show what each file and column is taken for, which robot fits, what is asked, and the first fault."""
     draft = await here.draft_desk.get(id)
     return understood_reply(await here.draft_desk.understood(draft))
 
 
-@router.post(
-    "/{id}/campaign",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/campaign", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_campaign_of_draft(here: Here, response: Response, id: Id, wanted: MakeRequest) -> DraftReply:
     """Make a campaign of a draft, and queue its identification and diagnosis; again, answer the same.
 

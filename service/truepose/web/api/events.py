@@ -15,7 +15,7 @@ from truepose.storage.documents import text_from
 from truepose.storage.records import EventRecord, Page
 from truepose.web.context import Context, Here
 from truepose.web.middleware.language import in_words
-from truepose.web.resources import problems, resource
+from truepose.web.resources import READ, resource, sending
 from truepose.web.schemas import NUMBER_LIMIT
 
 EVENT_STREAM: Final = "text/event-stream"
@@ -84,10 +84,7 @@ class _Interest:
 @router.get(
     "",
     response_class=StreamingResponse,
-    responses={
-        200: {"description": "Events as they happen.", "content": stream_content(_EXAMPLE)},
-        **problems(404, 422, 503),
-    },
+    responses=sending("Events as they happen.", stream_content(_EXAMPLE)) | READ,
 )
 async def follow_events(
     here: Here,

@@ -11,7 +11,7 @@ from truepose.domain.cell import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
 from truepose.sessions.tracker.dry_run import minutes_of
 from truepose.web.context import Context, Here
-from truepose.web.resources import Id, Name, problems, resource, while_present
+from truepose.web.resources import ACT, Id, Name, resource, while_present
 
 if TYPE_CHECKING:
     from truepose.analysis.predicted_accuracy import Promised
@@ -23,12 +23,7 @@ Number = Annotated[
 ]
 
 
-@router.get(
-    "/cells/{name}/plan",
-    tags=["cells"],
-    response_model_exclude_unset=True,
-    responses=problems(404, 409, 422, 503),
-)
+@router.get("/cells/{name}/plan", tags=["cells"], response_model_exclude_unset=True, responses=ACT)
 async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Number = None) -> PlanDocument:
     """Choose configurations and say what accuracy they promise, before anything moves; nothing is stored."""
     if name != here.cell.name:
@@ -36,12 +31,7 @@ async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Numbe
     return await _document(here, request, here.cell, n)
 
 
-@router.get(
-    "/sessions/{id}/promise",
-    tags=["sessions"],
-    response_model_exclude_unset=True,
-    responses=problems(404, 409, 422, 503),
-)
+@router.get("/sessions/{id}/promise", tags=["sessions"], response_model_exclude_unset=True, responses=ACT)
 async def get_promise_of_session(here: Here, request: Request, id: Id, n: Number = None) -> PlanDocument:
     """Say what the configurations measured so far promise, and what further ones would gain."""
     session = await measured_session(here.sessions, here.readings, id)

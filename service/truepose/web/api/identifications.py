@@ -11,7 +11,7 @@ from truepose.exchange.results.validation import ValidationDocument
 from truepose.storage.records import IdentificationRecord, ValidationRecord
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
-from truepose.web.resources import Id, OptionalKey, Paged, Sender, listing, problems, resource
+from truepose.web.resources import CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
 from truepose.web.schemas import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 
 EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
@@ -88,7 +88,7 @@ def validation_reply(record: ValidationRecord) -> ValidationReply:
 router = resource("/identifications", tags=["identifications"])
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=CHANGE)
 async def identify_campaign(
     here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
@@ -98,13 +98,13 @@ async def identify_campaign(
     return await queued_job(here, number, response)
 
 
-@router.get("", response_model_exclude_unset=True, responses=listing(422, 503))
+@router.get("", response_model_exclude_unset=True, responses=LIST)
 async def list_identifications(here: Here, paging: Paged) -> list[IdentificationReply]:
     """List identifications, oldest first."""
     return paging.shown(await here.results.identifications(paging.page), identification_reply)
 
 
-@router.get("/{id}", response_model_exclude_unset=True, responses=problems(404, 422, 503))
+@router.get("/{id}", response_model_exclude_unset=True, responses=READ)
 async def get_identification(here: Here, id: Id) -> IdentificationReply:
     """Show an identification: the document that `truepose identify --json` prints."""
     return identification_reply(await here.results.identification(id))
@@ -113,9 +113,7 @@ async def get_identification(here: Here, id: Id) -> IdentificationReply:
 validations_router = resource("/validations", tags=["validations"])
 
 
-@validations_router.post(
-    "", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503)
-)
+@validations_router.post("", status_code=status.HTTP_202_ACCEPTED, responses=CHANGE)
 async def validate_model(
     here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
@@ -124,13 +122,13 @@ async def validate_model(
     return await queued_job(here, number, response)
 
 
-@validations_router.get("", responses=listing(422, 503))
+@validations_router.get("", responses=LIST)
 async def list_validations(here: Here, paging: Paged) -> list[ValidationReply]:
     """List validations, oldest first."""
     return paging.shown(await here.results.validations(paging.page), validation_reply)
 
 
-@validations_router.get("/{id}", responses=problems(404, 422, 503))
+@validations_router.get("/{id}", responses=READ)
 async def get_validation(here: Here, id: Id) -> ValidationReply:
     """Show a validation: the document that `truepose validate --json` prints."""
     return validation_reply(await here.results.validation(id))

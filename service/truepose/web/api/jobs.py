@@ -10,7 +10,7 @@ from truepose.messages.message import message, together
 from truepose.storage.records import JobKind, JobRecord, JobState
 from truepose.web.context import Context, Here
 from truepose.web.middleware.language import Said, in_words
-from truepose.web.resources import RESPOND_ASYNC, Id, Paged, listing, problems, resource
+from truepose.web.resources import ACT, LIST, READ, RESPOND_ASYNC, Id, Paged, resource
 from truepose.web.schemas import RecordedAt, RecordId, Reply, example
 
 _RESULTS = {
@@ -128,19 +128,19 @@ def job_reply(record: JobRecord, foreseen: JobForecast | None = None) -> JobRepl
 router = resource("/jobs", tags=["jobs"])
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_jobs(here: Here, paging: Paged) -> list[JobReply]:
     """List jobs, oldest first."""
     return paging.shown(await here.jobs.page(paging.page), lambda record: _shown(here, record))
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_job(here: Here, id: Id) -> JobReply:
     """Show a job, how far it is, and what it made."""
     return _shown(here, await here.jobs.get(id))
 
 
-@router.post("/{id}/cancel", responses=problems(404, 409, 422, 503))
+@router.post("/{id}/cancel", responses=ACT)
 async def cancel_job(here: Here, id: Id) -> JobReply:
     """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
     await here.job_desk.cancel(id)

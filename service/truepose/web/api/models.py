@@ -12,7 +12,7 @@ from truepose.exchange.results.document import Quantity
 from truepose.exchange.results.identification import ParameterDocument
 from truepose.storage.records import ModelRecord
 from truepose.web.context import Here
-from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.resources import ACT, LIST, READ, Id, Paged, resource, sending
 from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
 
 
@@ -50,16 +50,17 @@ _MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file
     "dhm": ("text/plain", "model-{id}-table.txt"),
     "controller": ("text/plain", "model-{id}-controller.txt"),
 }
+_EXPORTS = {media: {"schema": {"type": "string"}} for media, _ in _MEDIA.values()}
 _FILE = {"schema": {"type": "object"}, "example": {"format": "truepose-model", "version": 1}}
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_models(here: Here, paging: Paged) -> list[ModelReply]:
     """List models, oldest first."""
     return paging.shown(await here.results.models(paging.page), model_reply)
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_model(here: Here, id: Id) -> ModelReply:
     """Show a model: its parameters with their uncertainties."""
     return model_reply(await here.results.model(id))
@@ -68,10 +69,7 @@ async def get_model(here: Here, id: Id) -> ModelReply:
 @router.get(
     "/{id}/file",
     response_class=Response,
-    responses={
-        200: {"description": "The model file.", "content": {"application/json": _FILE}},
-        **problems(404, 422, 503),
-    },
+    responses=sending("The model file.", {"application/json": _FILE}) | READ,
 )
 async def download_model(here: Here, id: Id) -> Response:
     """Download the model file, which `truepose predict`, `validate` and `correct` take."""
@@ -83,13 +81,7 @@ async def download_model(here: Here, id: Id) -> Response:
 @router.get(
     "/{id}/exports/{form}",
     response_class=Response,
-    responses={
-        200: {
-            "description": "The file; what it does not hold stands in it.",
-            "content": {media: {"schema": {"type": "string"}} for media, _ in _MEDIA.values()},
-        },
-        **problems(404, 409, 422, 503),
-    },
+    responses=sending("The file; what it does not hold stands in it.", _EXPORTS) | ACT,
 )
 async def download_export(
     here: Here,

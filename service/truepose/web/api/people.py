@@ -17,7 +17,7 @@ from truepose.storage.records import Page
 from truepose.web.api.sign_ins import Label, Name
 from truepose.web.context import Context, Here
 from truepose.web.middleware.rights import CurrentCaller
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import ACT, CHANGE, Id, problems, resource, sending
 from truepose.web.schemas import NUMBER_LIMIT, RecordedAt, RecordId, Reply, Request, example
 
 RoleName = Annotated[Role, Field(strict=False)]
@@ -161,8 +161,6 @@ class ActsReply(Reply):
 
 
 router = resource(tags=["people"])
-_CHANGE = problems(400, 404, 409, 413, 415, 422, 503)
-_REVOKE = problems(404, 409, 422, 503)
 _HOURS_A_DAY = 24
 _OF_MACHINE = "somebody at this computer"  # nobody is asked who they are
 
@@ -173,7 +171,7 @@ async def list_people(here: Here) -> PeopleReply:
     return PeopleReply(people=listed_people(here))
 
 
-@router.post("/people", status_code=status.HTTP_201_CREATED, responses=_CHANGE)
+@router.post("/people", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def enter_person(here: Here, asker: CurrentCaller, wanted: EnterRequest) -> EnteredReply:
     """Enter somebody; they choose their password by the link in the answer."""
     accounts = here.people.accounts
@@ -184,7 +182,7 @@ async def enter_person(here: Here, asker: CurrentCaller, wanted: EnterRequest) -
     return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
 
 
-@router.put("/people/{id}/role", responses=_CHANGE)
+@router.put("/people/{id}/role", responses=CHANGE)
 async def change_role(here: Here, asker: CurrentCaller, id: Id, wanted: RoleRequest) -> PersonReply:
     """Change what somebody may do, from this moment on."""
     found = await here.people.accounts.register.change_role(
@@ -193,13 +191,13 @@ async def change_role(here: Here, asker: CurrentCaller, id: Id, wanted: RoleRequ
     return _reply(here, found)
 
 
-@router.delete("/people/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=_REVOKE)
+@router.delete("/people/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def remove_person(here: Here, asker: CurrentCaller, id: Id) -> None:
     """Let somebody in no more; their browsers and programs are out at once, their acts stay."""
     await here.people.accounts.register.remove(_person(here, id), asker.name or _OF_MACHINE)
 
 
-@router.post("/people/{id}/link", status_code=status.HTTP_201_CREATED, responses=_REVOKE)
+@router.post("/people/{id}/link", status_code=status.HTTP_201_CREATED, responses=ACT)
 async def make_link(here: Here, asker: CurrentCaller, id: Id) -> EnteredReply:
     """Make somebody a new link to choose a password; the one before opens nothing any more."""
     person = _person(here, id)
@@ -213,7 +211,7 @@ async def list_tokens(here: Here) -> TokensReply:
     return TokensReply(tokens=listed_tokens(here))
 
 
-@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=_CHANGE)
+@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_token(here: Here, asker: CurrentCaller, wanted: TokenRequest) -> NewTokenReply:
     """Let a program in, on behalf of somebody; the secret is shown this once."""
     owner = here.people.accounts.register.require(wanted.owner)
@@ -224,7 +222,7 @@ async def make_token(here: Here, asker: CurrentCaller, wanted: TokenRequest) -> 
     return NewTokenReply(token=_token(here, record), secret=secret)
 
 
-@router.delete("/tokens/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=_REVOKE)
+@router.delete("/tokens/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def revoke_token(here: Here, asker: CurrentCaller, id: Id) -> None:
     """Let a program in no more, from this moment on."""
     if id not in {record.id for record in _tokens(here)}:
@@ -286,10 +284,7 @@ async def list_acts(here: Here, search: Search = "", before: Before = None, limi
 @router.get(
     "/audit/lines",
     response_class=Response,
-    responses={
-        200: {"description": "One act a line, oldest first.", "content": _LINES},
-        **problems(422, 503),
-    },
+    responses=sending("One act a line, oldest first.", _LINES) | problems(422, 503),
 )
 async def download_acts(here: Here, search: Search = "") -> StreamingResponse:
     """Download all acts as JSON lines, oldest first."""

@@ -9,7 +9,7 @@ from truepose.domain.session import PointTaken
 from truepose.exchange.results.document import Quantity
 from truepose.storage.records import ReadingKind, ReadingRecord
 from truepose.web.context import Here
-from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.resources import LIST, LIST_OF_RECORD, READ, Id, Paged, resource
 from truepose.web.schemas import NUMBER_LIMIT, Point, RecordedAt, RecordId, Reply
 
 
@@ -76,7 +76,7 @@ Superseded = Annotated[bool, Query(description="False: only readings that count.
 OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only of this session.")]
 
 
-@router.get("/readings", responses=listing(422, 503))
+@router.get("/readings", responses=LIST)
 async def list_readings(
     here: Here,
     paging: Paged,
@@ -89,13 +89,13 @@ async def list_readings(
     return paging.shown(found, reading_reply)
 
 
-@router.get("/readings/{id}", responses=problems(404, 422, 503))
+@router.get("/readings/{id}", responses=READ)
 async def get_reading(here: Here, id: Id) -> ReadingReply:
     """Show a reading as it was stored."""
     return reading_reply(await here.readings.get(id))
 
 
-@router.get("/sessions/{id}/readings", responses=listing(404, 422, 503))
+@router.get("/sessions/{id}/readings", responses=LIST_OF_RECORD)
 async def list_readings_of_session(
     here: Here, id: Id, paging: Paged, kind: OfKind = None, superseded: Superseded = True
 ) -> list[ReadingReply]:

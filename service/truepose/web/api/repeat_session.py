@@ -23,7 +23,7 @@ from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.api.sessions.ballbar import queue_plan
 from truepose.web.context import Context, Here
 from truepose.web.pages.session_results import origin_of
-from truepose.web.resources import Id, OptionalKey, Sender, problems, resource
+from truepose.web.resources import CHANGE, Id, OptionalKey, Sender, resource
 from truepose.web.schemas import VISIBLE, Number, Request, example
 
 
@@ -160,11 +160,7 @@ async def _anew(
 router = resource("/sessions", tags=["sessions"])
 
 
-@router.post(
-    "/{id}/again",
-    status_code=status.HTTP_202_ACCEPTED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/again", status_code=status.HTTP_202_ACCEPTED, responses=CHANGE)
 async def plan_session_again(
     here: Here, id: Id, wanted: RepeatRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:

@@ -11,7 +11,7 @@ from truepose.domain.campaign import Quantity
 from truepose.domain.identification import Model
 from truepose.web.api.spaces import model_and_campaign
 from truepose.web.context import Context, Here
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import ACT, Id, resource
 from truepose.web.schemas import Reply
 
 if TYPE_CHECKING:
@@ -81,24 +81,23 @@ def _rounded(values: "FloatArray", decimals: int) -> Any:
 
 
 router = resource(tags=["residuals"])
-_READ: Final = problems(404, 409, 422, 503)
 
 
-@router.get("/identifications/{id}/residuals", responses=_READ)
+@router.get("/identifications/{id}/residuals", responses=ACT)
 async def get_identification_residuals(here: Here, id: Id) -> ResidualsReply:
     """Show how far each reading is off: of those kept for validation, else of those identified from."""
     record = await here.results.identification(id)
     return await _residuals(here, record.model_id, record.campaign_id)
 
 
-@router.get("/validations/{id}/residuals", responses=_READ)
+@router.get("/validations/{id}/residuals", responses=ACT)
 async def get_validation_residuals(here: Here, id: Id) -> ResidualsReply:
     """Show how far each reading is off, of those that judged the model."""
     record = await here.results.validation(id)
     return await _residuals(here, record.model_id, record.campaign_id)
 
 
-@router.get("/diagnoses/{id}/residuals", responses=_READ)
+@router.get("/diagnoses/{id}/residuals", responses=ACT)
 async def get_diagnosis_residuals(here: Here, id: Id) -> ResidualsReply:
     """Show how far each reading is off: of the nominal robot, and of the model a diagnosis ends with."""
     record = await here.diagnoses.get(id)

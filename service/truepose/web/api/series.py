@@ -10,7 +10,7 @@ from truepose.domain.campaign import Delivery, Series
 from truepose.storage.ledger.series import SeriesRecord
 from truepose.web.api.drafts import DraftReply, draft_reply
 from truepose.web.context import Here
-from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.resources import CHANGE, LIST, LIST_OF_RECORD, READ, Id, Paged, problems, resource
 from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, RecordedAt, RecordId, Reply, Request, example
 
 _MOST_COLUMNS: Final = 64
@@ -121,23 +121,19 @@ async def start_series(here: Here, response: Response, wanted: SeriesRequest) ->
     return series_reply(await here.series.get(number))
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_series(here: Here, paging: Paged) -> list[SeriesReply]:
     """List series, oldest first."""
     return paging.shown(await here.series.page(paging.page), series_reply)
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_series(here: Here, id: Id) -> SeriesReply:
     """Show a series, and the number of the reading that it goes on at."""
     return series_reply(await here.series.get(id))
 
 
-@router.post(
-    "/{id}/readings",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{id}/readings", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def add_readings(here: Here, id: Id, wanted: DeliveryRequest) -> DeliveredReply:
     """Deliver readings; the answer comes when they are on disk.
 
@@ -149,7 +145,7 @@ async def add_readings(here: Here, id: Id, wanted: DeliveryRequest) -> Delivered
     return DeliveredReply(next_number=delivery.next_number)
 
 
-@router.get("/{id}/readings", responses=listing(404, 422, 503))
+@router.get("/{id}/readings", responses=LIST_OF_RECORD)
 async def list_readings_of_series(here: Here, id: Id, paging: Paged) -> list[DeliveredReadingReply]:
     """List the readings of a series in their order."""
     record = await here.series.get(id)

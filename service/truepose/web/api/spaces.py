@@ -10,7 +10,7 @@ from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
 from truepose.domain.identification import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import ACT, Id, resource
 from truepose.web.schemas import NUMBER_LIMIT, Point, Reply
 
 if TYPE_CHECKING:
@@ -122,7 +122,6 @@ def plan_space_reply(space: "PlanSpace") -> PlanSpaceReply:
 
 
 router = resource(tags=["spaces"])
-_READ = problems(404, 409, 422, 503)
 FirstConfig = Annotated[
     int | None,
     Query(
@@ -134,21 +133,21 @@ FirstConfig = Annotated[
 ]
 
 
-@router.get("/identifications/{id}/space", responses=_READ)
+@router.get("/identifications/{id}/space", responses=ACT)
 async def get_identification_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood: at readings kept for validation, else at those identified from."""
     record = await here.results.identification(id)
     return await _space(here, record.model_id, record.campaign_id, config)
 
 
-@router.get("/validations/{id}/space", responses=_READ)
+@router.get("/validations/{id}/space", responses=ACT)
 async def get_validation_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood, at the readings that judged the model."""
     record = await here.results.validation(id)
     return await _space(here, record.model_id, record.campaign_id, config)
 
 
-@router.get("/diagnoses/{id}/space", responses=_READ)
+@router.get("/diagnoses/{id}/space", responses=ACT)
 async def get_diagnosis_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Show errors where the tool stood: of the nominal robot, and of the model a diagnosis ends with."""
     record = await here.diagnoses.get(id)

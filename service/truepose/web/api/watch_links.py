@@ -21,7 +21,7 @@ from truepose.web.middleware.rights import CurrentCaller
 from truepose.web.pages.records import session_states
 from truepose.web.pages.rendering import Visited
 from truepose.web.problems import problem_response
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import ACT, CHANGE, READ, Id, resource
 from truepose.web.schemas import RecordedAt, RecordId, Reply, Request, example
 
 
@@ -77,11 +77,7 @@ _OVER: Final = message("refused.watch_over")
 _HOURS_A_DAY: Final = 24
 
 
-@router.post(
-    "/sessions/{id}/watch-links",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/sessions/{id}/watch-links", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_watch_link(
     here: Here, request: HttpRequest, asker: CurrentCaller, id: Id, wanted: WatchLinkRequest
 ) -> NewWatchLinkReply:
@@ -93,16 +89,14 @@ async def make_watch_link(
     return NewWatchLinkReply(link=WatchLinkReply.about(record), url=url, qr_svg=code)
 
 
-@router.get("/sessions/{id}/watch-links", responses=problems(404, 422, 503))
+@router.get("/sessions/{id}/watch-links", responses=READ)
 async def list_watch_links(here: Here, id: Id) -> WatchLinksReply:
     """List the links that show a session."""
     await here.sessions.get(id)
     return WatchLinksReply(links=[WatchLinkReply.about(r) for r in _links(here, id)])
 
 
-@router.delete(
-    "/watch-links/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 409, 422, 503)
-)
+@router.delete("/watch-links/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def revoke_watch_link(here: Here, asker: CurrentCaller, id: Id) -> None:
     """Take a link back; who looks by it sees no more from this moment on."""
     if id not in {record.id for record in _links(here)}:

@@ -14,7 +14,18 @@ from truepose.storage.plant.records import VisitRecord
 from truepose.web.middleware.rights import current_request
 from truepose.web.pages.rendering import Visited
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.resources import Counted, Name, Paged, listing, outside_the_api, problems, resource
+from truepose.web.resources import (
+    CHANGE,
+    LIST,
+    LIST_OF_RECORD,
+    READ,
+    Counted,
+    Name,
+    Paged,
+    outside_the_api,
+    problems,
+    resource,
+)
 from truepose.web.schemas import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
 
 
@@ -146,14 +157,14 @@ KindOfRecord = Annotated[
 ]
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_plant_cells(here: PlantHere, paging: Counted) -> list[PlantCellReply]:
     """List the cells, by name, with the newest visit to each."""
     newest = await here.visits.newest()
     return paging.of([*newest.items()], lambda item: _reply(here, *item))
 
 
-@router.get("/{name:path}/records", responses=listing(404, 422, 503))
+@router.get("/{name:path}/records", responses=LIST_OF_RECORD)
 async def list_plant_records(
     here: PlantHere, name: Name, paging: Paged, kind: KindOfRecord = None
 ) -> list[PlantRecordReply]:
@@ -163,7 +174,7 @@ async def list_plant_records(
     return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
 
 
-@router.get("/{name:cell_name}", responses=problems(404, 422, 503))
+@router.get("/{name:cell_name}", responses=READ)
 async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
     """Show a cell, and the latest visits to it, newest first."""
     newest = await here.visits.newest()
@@ -173,11 +184,7 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
     return VisitsReply(cell=_reply(here, name, newest[name]), visits=visits)
 
 
-@router.post(
-    "/{name:path}/branches",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-)
+@router.post("/{name:path}/branches", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> PlantCellReply:
     """Accept that a cell shows another chain than the one collected; it has a branch of its own."""
     require_in_file(here, name)
@@ -187,7 +194,7 @@ async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> P
     return _reply(here, name, (await here.visits.newest())[name])
 
 
-@router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 422, 503))
+@router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=READ)
 async def plan_visit(here: PlantHere, name: Name) -> PlantCellReply:
     """Have a cell visited now, and not only when it is due."""
     require_in_file(here, name)

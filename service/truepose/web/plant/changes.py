@@ -20,7 +20,7 @@ from truepose.storage.plant.overview import PlantResults, RobotMeasured
 from truepose.storage.plant.result_projections import ToldKind
 from truepose.web.plant.context import PlantContext, PlantHere
 from truepose.web.plant.links import Places, places_of
-from truepose.web.resources import Counted, listing, resource
+from truepose.web.resources import LIST, Counted, resource
 from truepose.web.schemas import Reply
 
 
@@ -82,7 +82,7 @@ async def since_a_week(
     return SinceThen(since, changed, certificates_ended(papers, robots, since, today))
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_plant_changes(here: PlantHere, paging: Counted) -> list[PlantChangeReply]:
     """List what changed since the day a week ago began (UTC): robots whose error grew most come first."""
     today = datetime.now(UTC).date()

@@ -8,7 +8,7 @@ from pydantic import Field
 from truepose.storage.plant.records import HandDown, HandDownKind, HandDownRecord
 from truepose.web.plant.cells import require_in_file
 from truepose.web.plant.context import PlantHere
-from truepose.web.resources import Id, OptionalKey, Paged, listing, problems, resource
+from truepose.web.resources import CHANGE, LIST, READ, Id, OptionalKey, Paged, resource
 from truepose.web.schemas import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
 
@@ -62,7 +62,7 @@ def hand_down_reply(record: HandDownRecord) -> HandDownReply:
 router = resource("/plant/hand-downs", tags=["plant"])
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+@router.post("", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def add_hand_down(
     here: PlantHere, wanted: HandDownRequest, response: Response, key: OptionalKey
 ) -> HandDownReply:
@@ -75,13 +75,13 @@ async def add_hand_down(
     return hand_down_reply(await here.hand_downs.get(number))
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_plant_hand_downs(here: PlantHere, paging: Paged) -> list[HandDownReply]:
     """List what was handed down, oldest first, with its state."""
     return paging.shown(await here.hand_downs.page(paging.page), hand_down_reply)
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/{id}", responses=READ)
 async def get_plant_hand_down(here: PlantHere, id: Id) -> HandDownReply:
     """Show what was handed down, and whether the cell has it."""
     return hand_down_reply(await here.hand_downs.get(id))

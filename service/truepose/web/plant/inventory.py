@@ -20,7 +20,7 @@ from truepose.storage.plant.queries import (
     RobotRecord,
 )
 from truepose.web.plant.context import PlantHere
-from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.resources import LIST, LIST_OF_RECORD, READ, Id, Paged, resource
 from truepose.web.schemas import RecordId, Reply
 
 _DAY = "A day, by the cell's clock; empty: nobody said it."
@@ -155,13 +155,13 @@ _TABLES: Final[dict[Kinds, ResultKind]] = {
 Serial = Annotated[str, Path(min_length=1, max_length=200, description="Serial number.")]
 
 
-@router.get("/robots", responses=listing(422, 503))
+@router.get("/robots", responses=LIST)
 async def list_seen_robots(here: PlantHere, paging: Paged) -> list[SeenRobotReply]:
     """List the robots of all cells, in the order in which they were first seen."""
     return paging.shown(await here.looks.robots(paging.page, _upto()), robot_reply)
 
 
-@router.get("/robots/{serial:path}", responses=problems(404, 422, 503))
+@router.get("/robots/{serial:path}", responses=READ)
 async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
     """Show the life of a robot: what was measured of it on which day, and what was made of that."""
     return RobotLifeReply(
@@ -171,13 +171,13 @@ async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
     )
 
 
-@router.get("/instruments", responses=listing(422, 503))
+@router.get("/instruments", responses=LIST)
 async def list_seen_instruments(here: PlantHere, paging: Paged) -> list[SeenInstrumentReply]:
     """List the instruments of all cells, in the order in which they were first seen."""
     return paging.shown(await here.looks.instruments(paging.page, _upto()), instrument_reply)
 
 
-@router.get("/instruments/{serial:path}", responses=problems(404, 422, 503))
+@router.get("/instruments/{serial:path}", responses=READ)
 async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLifeReply:
     """Show the life of an instrument: what it measured on which day, in which cell."""
     return InstrumentLifeReply(
@@ -191,13 +191,13 @@ async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLife
     )
 
 
-@router.get("/{kind}", responses=listing(404, 422, 503))
+@router.get("/{kind}", responses=LIST_OF_RECORD)
 async def list_plant_results(here: PlantHere, kind: Kinds, paging: Paged) -> list[PlantResultReply]:
     """List what was measured or made, in the order in which it was collected."""
     return paging.shown(await here.looks.results(_TABLES[kind], paging.page), result_reply)
 
 
-@router.get("/{kind}/{id}/record", responses=problems(404, 422, 503))
+@router.get("/{kind}/{id}/record", responses=READ)
 async def get_plant_record(here: PlantHere, kind: Kinds, id: Id) -> dict[str, Any]:
     """Give a record as it came from the cell, every value with its kind."""
     result = await here.looks.result(id)

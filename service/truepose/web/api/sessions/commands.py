@@ -13,7 +13,7 @@ from truepose.web.api.sessions.kinds import AnySituation, kind_of
 from truepose.web.context import Here
 from truepose.web.middleware.language import Said, in_words
 from truepose.web.middleware.rights import current_request, signed_in_name
-from truepose.web.resources import Id, OptionalKey, problems, resource
+from truepose.web.resources import CHANGE, Id, OptionalKey, resource
 from truepose.web.schemas import (
     PersonName,
     PressedAt,
@@ -25,7 +25,6 @@ from truepose.web.schemas import (
 )
 
 router = resource("/sessions", tags=["sessions"])
-_PROBLEMS = problems(400, 404, 409, 413, 415, 422, 503)
 
 
 class CommandRequest(Request):
@@ -96,7 +95,7 @@ class CommandReply(Reply):
     session: AnySituation
 
 
-@router.post("/{id}/commands", responses=_PROBLEMS)
+@router.post("/{id}/commands", responses=CHANGE)
 async def command_session(here: Here, id: Id, wanted: CommandRequest, key: OptionalKey) -> CommandReply:
     """Ask something of a session. The answer comes when what it did is on disk.
 

@@ -9,7 +9,7 @@ import json
 from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
@@ -25,12 +25,10 @@ from truepose.web.api.sessions.guides import OutlookReply, SheetReply, sheet_rep
 from truepose.web.api.sessions.kind import KindOfSession
 from truepose.web.api.sessions.kinds import AnyPlan, AnyScene, AnySituation, kind_of
 from truepose.web.context import Context, Here
-from truepose.web.resources import Counted, Id, Paged, listing, problems, resource
+from truepose.web.resources import ACT, LIST_OF_RECORD, READ, Counted, Id, Paged, resource, sending
 from truepose.web.schemas import Reply
 
 router = resource("/sessions/{id}", tags=["sessions"])
-_READ: Final = problems(404, 422, 503)
-_UNATTENDED: Final = problems(404, 409, 422, 503)
 _SAMPLE: Final = {
     "time_s": 812.35,
     "length_mm": 300.4213,
@@ -46,13 +44,10 @@ _SAMPLE: Final = {
     "why_not": None,
     "let_go": True,
 }
-_LIVE: Final[dict[int | str, dict[str, Any]]] = {
-    200: {
-        "description": "Samples of the instrument, here of a ballbar, and situations as they come.",
-        "content": stream_content(f"event: sample\ndata: {json.dumps(_SAMPLE)}\n\n"),
-    },
-    **problems(404, 422, 503),
-}
+_LIVE: Final = sending(
+    "Samples of the instrument, here of a ballbar, and situations as they come.",
+    stream_content(f"event: sample\ndata: {json.dumps(_SAMPLE)}\n\n"),
+)
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
 TabletName = Annotated[
     str,
@@ -161,31 +156,31 @@ async def _feed_samples(samples: AsyncIterator[str], mailbox: _Mailbox) -> None:
         mailbox.put_sample(f"event: sample\ndata: {text}\n\n")
 
 
-@router.get("/situation", response_model=AnySituation, responses=_READ)
+@router.get("/situation", response_model=AnySituation, responses=READ)
 async def get_situation(here: Here, id: Id, kind: Kind) -> Reply:
     """Show where a session stands and what may be asked of it; follow `live` instead of asking again."""
     return await kind.situation(here, id)
 
 
-@router.get("/plan", response_model=AnyPlan, responses=_READ)
+@router.get("/plan", response_model=AnyPlan, responses=READ)
 async def get_plan(here: Here, id: Id, kind: Kind) -> Reply:
     """List what a session does, in order; also before the start."""
     return await kind.planned_steps(here, id)
 
 
-@router.get("/scene", response_model=AnyScene, responses=_READ)
+@router.get("/scene", response_model=AnyScene, responses=READ)
 async def get_scene(here: Here, id: Id, kind: Kind) -> Reply:
     """Show what to draw: the cell as its instrument sees it, or the present step with the ballbar."""
     return await kind.scene(here, id)
 
 
-@router.get("/sheet", responses=_UNATTENDED)
+@router.get("/sheet", responses=ACT)
 async def get_sheet(here: Here, id: Id) -> SheetReply:
     """List what was read so far without a ballbar: warm-up, fixed nests, looks at them, configurations."""
     return sheet_reply(await here.guided_sessions.sheet(id))
 
 
-@router.get("/outlook", responses=_UNATTENDED)
+@router.get("/outlook", responses=ACT)
 async def get_outlook(here: Here, id: Id) -> OutlookReply:
     """Say what accuracy the readings so far promise, and the rest of the plan; a worker computes it."""
     found = await here.guided_sessions.outlook(id)
@@ -194,7 +189,7 @@ async def get_outlook(here: Here, id: Id) -> OutlookReply:
     return OutlookReply.of(found, state="known")
 
 
-@router.get("/ledger", responses=listing(404, 422, 503))
+@router.get("/ledger", responses=LIST_OF_RECORD)
 async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
     """Read what happened, oldest first; `after` is the number of the last entry that is known."""
     await here.sessions.require(id)
@@ -203,7 +198,7 @@ async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
     )
 
 
-@router.get("/contact-readings", responses=listing(404, 422, 503))
+@router.get("/contact-readings", responses=LIST_OF_RECORD)
 async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[ContactReadingReply]:
     """List what the gauges read, configuration by configuration."""
     await here.contact_sessions.get(id)
@@ -211,7 +206,7 @@ async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[Con
     return paging.of(readings_of(line.entry for line in lines), ContactReadingReply.of)
 
 
-@router.get("/live", response_class=StreamingResponse, responses=_LIVE)
+@router.get("/live", response_class=StreamingResponse, responses=_LIVE | READ)
 async def follow_session(following: Following) -> EventStream:
     """Follow a session: `sample` is what its instrument sees now, `situation` the session as it changes.
 

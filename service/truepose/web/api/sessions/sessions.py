@@ -43,6 +43,10 @@ from truepose.web.pages.accuracy_results import accuracy_of
 from truepose.web.pages.geometry_results import sphere_of
 from truepose.web.pages.session_results import Chosen, origin_of
 from truepose.web.resources import (
+    ACT,
+    CHANGE,
+    LIST,
+    READ,
     Id,
     Later,
     ModelId,
@@ -50,14 +54,10 @@ from truepose.web.resources import (
     OptionalKey,
     Paged,
     Sender,
-    listing,
-    problems,
     resource,
 )
 
 router = resource("/sessions", tags=["sessions"])
-_READ = problems(404, 422, 503)
-_ACT = problems(400, 404, 409, 413, 415, 422, 503)
 
 
 @router.post(
@@ -67,7 +67,7 @@ _ACT = problems(400, 404, 409, 413, 415, 422, 503)
     responses=planned_or_queued(
         SessionDetailReply, "A worker chooses the configurations; the job's result is the session."
     )
-    | problems(400, 404, 409, 413, 415, 422, 503),
+    | CHANGE,
 )
 async def plan_session(
     here: Here,
@@ -94,21 +94,21 @@ async def plan_session(
     return await get_session(here, made.number)
 
 
-@router.get("/{id}/proof", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/proof", responses=ACT)
 async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
     """Say what the corrections of a model are worth, by a session that was planned to prove it."""
     model = (await here.results.model(model_id)).model
     return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
 
 
-@router.get("/{id}/circles", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/circles", responses=ACT)
 async def get_circles(here: Here, id: Id) -> CircleTestDocument:
     """Say what each joint errs by, by a session that turned one joint at a time."""
     found = await circles_by_session(here.sessions, here.readings, id)
     return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
 
 
-@router.get("/{id}/sphere", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/sphere", responses=ACT)
 async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocument:
     """Say how true the arm holds a ballbar's length to one ball, by a ballbar session, also while it runs.
 
@@ -118,20 +118,20 @@ async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocume
     return sphere_document(test, robot)
 
 
-@router.get("/{id}/accuracy", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/accuracy", responses=ACT)
 async def get_accuracy(here: Here, id: Id, choice: Chosen) -> AccuracyDocument:
     """Judge a model by the points of a session; of a test of ISO 9283 with its figures."""
     _, found = await accuracy_of(here, await origin_of(here, id), choice)
     return accuracy_document(found.validation, found.test)
 
 
-@router.get("", responses=listing(422, 503))
+@router.get("", responses=LIST)
 async def list_sessions(here: Here, paging: Paged) -> list[SessionReply]:
     """List sessions, oldest first."""
     return paging.shown(await here.sessions.page(paging.page), lambda record: _reply(here, record))
 
 
-@router.get("/{id}", responses=_READ)
+@router.get("/{id}", responses=READ)
 async def get_session(here: Here, id: Id) -> SessionDetailReply:
     """Show a session with its progress and history."""
     shown = await _shown(here, id)
@@ -148,7 +148,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
     )
 
 
-@router.get("/{id}/progress", responses=_READ)
+@router.get("/{id}/progress", responses=READ)
 async def get_progress(here: Here, id: Id) -> ProgressReply:
     """Say how far the session is; follow `events` instead of asking again and again."""
     record = await here.sessions.get(id)
@@ -165,7 +165,7 @@ async def get_progress(here: Here, id: Id) -> ProgressReply:
     )
 
 
-@router.post("/{id}/configurations", status_code=status.HTTP_201_CREATED, responses=_ACT)
+@router.post("/{id}/configurations", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def add_configurations(
     here: Here, id: Id, wanted: AdditionRequest, response: Response, key: OptionalKey
 ) -> AdditionReply:

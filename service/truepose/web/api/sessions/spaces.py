@@ -7,7 +7,7 @@ from truepose.domain.cell import Cell
 from truepose.web.api.sessions.kinds import kind_of
 from truepose.web.api.spaces import PlanSpaceReply, StopState, plan_space_reply
 from truepose.web.context import Here
-from truepose.web.resources import Id, problems, resource
+from truepose.web.resources import ACT, Id, resource
 
 if TYPE_CHECKING:
     from truepose.reports.plan_3d import Place
@@ -16,7 +16,7 @@ router = resource("/sessions", tags=["spaces"])
 _MOST: Final = 120  # stops, of which a picture is still read
 
 
-@router.get("/{id}/space", responses=problems(404, 409, 422, 503))
+@router.get("/{id}/space", responses=ACT)
 async def get_session_space(here: Here, id: Id) -> PlanSpaceReply:
     """Show a session in space by the nominal robot: arm, tool and bars at each stop, measured or to come."""
     record = await here.sessions.get(id)
