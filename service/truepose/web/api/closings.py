@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from fastapi import status
 from pydantic import Field
 
-from truepose.domain.cell import ClosedAs, Closing, JudgedPaper, Standing
+from truepose.domain.cell import ClosedAs, Closing, Standing
 from truepose.exchange.results.document import FieldSource, null_if_empty
 from truepose.web.context import Here
 from truepose.web.resources import CHANGE, READ, Id, resource
@@ -49,16 +49,6 @@ class ClosingReply(Reply):
     certificates: list[CertificateReply]
 
 
-def open_reply(certificates: tuple[JudgedPaper, ...]) -> ClosingReply:
-    """Return that nobody has closed a session, with what that would rest on."""
-    return ClosingReply.of(closed_as="open", person=None, closed_at=None, certificates=certificates)
-
-
-def closing_reply(closing: Closing) -> ClosingReply:
-    """Return a closing as it travels."""
-    return ClosingReply.of(closing)
-
-
 router = resource("/sessions", tags=["sessions"])
 
 
@@ -67,7 +57,10 @@ async def get_closing(here: Here, id: Id) -> ClosingReply:
     """Show what a session is closed as, and the certificates that its readings rest on."""
     await here.sessions.get(id)
     closing = await here.closings.of_session(id)
-    return open_reply(await here.closing_desk.certificates(id)) if closing is None else closing_reply(closing)
+    if closing is not None:
+        return ClosingReply.of(closing)
+    certificates = await here.closing_desk.certificates(id)
+    return ClosingReply.of(closed_as="open", person=None, closed_at=None, certificates=certificates)
 
 
 @router.post("/{id}/closing", status_code=status.HTTP_201_CREATED, responses=CHANGE)
@@ -78,4 +71,4 @@ async def close_session(here: Here, id: Id, wanted: ClosingRequest) -> ClosingRe
     a reason that every report prints.
     """
     closing = Closing(id, wanted.closed_as, wanted.person, wanted.reason, ())
-    return closing_reply(await here.closing_desk.close(closing))
+    return ClosingReply.of(await here.closing_desk.close(closing))

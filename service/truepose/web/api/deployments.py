@@ -2,7 +2,7 @@
 
 import asyncio
 import math
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 from fastapi import Response, status
 from pydantic import Field
@@ -10,6 +10,7 @@ from pydantic import Field
 from truepose.domain.people import LONGEST_NAME
 from truepose.exchange.models.acceptance import HandedModel, accepted_model, fitting_model
 from truepose.exchange.models.document import in_file_units
+from truepose.exchange.results.document import FieldSource
 from truepose.messages.message import message
 from truepose.storage.errors import ConflictError
 from truepose.storage.plant.deployments import HandedDownRecord, HandedDownRepository, NewHandedDown
@@ -75,8 +76,8 @@ class FarValueReply(Reply):
 class ModelCheckReply(Reply):
     """What a handed-down model does to the tool in this cell."""
 
-    digest: Literal["intact", "no digest"]
-    largest_shift_mm: float = Field(
+    digest: Annotated[Literal["intact", "no digest"], FieldSource("integrity")]
+    largest_shift_mm: Annotated[float, FieldSource("shift_mm")] = Field(
         description="Of a tool nest or the flange, from the nominal robot as the cell file has it.",
         examples=[137.2],
     )
@@ -84,7 +85,9 @@ class ModelCheckReply(Reply):
     nest: int = Field(description="Which is moved so far; 0: the flange.", examples=[1])
     limit_mm: float = Field(description="`model_shift_mm` of the cell file.", examples=[5.0])
     far_from_prior: list[FarValueReply]
-    confirmation_needed: bool = Field(description="It is accepted only with `accepted_shift_mm`.")
+    confirmation_needed: Annotated[bool, FieldSource("needs_confirmation")] = Field(
+        description="It is accepted only with `accepted_shift_mm`."
+    )
 
 
 class UseReply(Reply):
@@ -100,15 +103,21 @@ class HandedDownReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
-    plant: str = Field(description="As its token is called; empty: nobody is asked.", examples=["plant"])
-    kind: Literal["plan", "model"]
-    name: str = Field(examples=["monthly check"])
-    person: str = Field(description="Who handed it down, at the plant.")
-    said_by: str = Field(
+    plant: Annotated[str, FieldSource("handed_down.plant")] = Field(
+        description="As its token is called; empty: nobody is asked.", examples=["plant"]
+    )
+    kind: Annotated[Literal["plan", "model"], FieldSource("handed_down.kind")]
+    name: Annotated[str, FieldSource("handed_down.name")] = Field(examples=["monthly check"])
+    person: Annotated[str, FieldSource("handed_down.person")] = Field(
+        description="Who handed it down, at the plant."
+    )
+    said_by: Annotated[str, FieldSource("handed_down.plant")] = Field(
         description="The plant that says so; the cell need not know them. Empty: nobody is asked.",
         examples=["plant"],
     )
-    document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
+    document: Annotated[dict[str, Any], FieldSource("handed_down.document")] = Field(
+        examples=[{"name": "monthly check"}]
+    )
     uses: list[UseReply]
     model_id: RecordId | None = Field(
         description="As which it was accepted in this cell; null: it was not.", examples=[7]
@@ -117,40 +126,17 @@ class HandedDownReply(Reply):
 
 def model_check_reply(handed: HandedModel) -> ModelCheckReply:
     """Return what a model does here, as it travels."""
-    shift = handed.shift
-    return ModelCheckReply.model_validate({
-        "digest": handed.integrity.value,
-        "largest_shift_mm": shift.shift_mm,
-        "at_joints_deg": [math.degrees(angle) for angle in shift.joints_rad],
-        "nest": shift.nest,
-        "limit_mm": handed.limit_mm,
-        "far_from_prior": [_far_value(one) for one in handed.far],
-        "confirmation_needed": handed.needs_confirmation,
-    })
+    return ModelCheckReply.of(
+        handed,
+        handed.shift,
+        at_joints_deg=[math.degrees(angle) for angle in handed.shift.joints_rad],
+        far_from_prior=[_far_value(one) for one in handed.far],
+    )
 
 
 def _far_value(far: FarValue) -> FarValueReply:
     fields = {key: value for key, value in in_file_units(far.parameter).items() if key in _OF_VALUE}
     return FarValueReply.model_validate(fields | {"widths": far.widths})
-
-
-def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
-    """Return what was handed down, as it travels."""
-    told = record.handed_down
-    return HandedDownReply.model_validate({
-        "id": record.id,
-        "recorded_at": record.recorded_at,
-        "plant": told.plant,
-        "kind": told.kind,
-        "name": told.name,
-        "person": told.person,
-        "said_by": told.plant,
-        "document": told.document,
-        "model_id": record.model_id,
-        "uses": [
-            {"recorded_at": use.recorded_at, "person": use.person, "note": use.note} for use in record.uses
-        ],
-    })
 
 
 router = resource("/hand-downs", tags=["plant"])
@@ -168,19 +154,19 @@ async def accept_hand_down(
     kept = HandedDownRepository(here.database)
     number = await kept.add(new, key)
     response.headers["Location"] = f"/api/v1/hand-downs/{number}"
-    return handed_down_reply(await kept.get(number))
+    return HandedDownReply.of(await kept.get(number))
 
 
 @router.get("", responses=LIST)
 async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
     """List what the plant handed down, oldest first."""
-    return paging.shown(await HandedDownRepository(here.database).page(paging.page), handed_down_reply)
+    return paging.shown(await HandedDownRepository(here.database).page(paging.page), HandedDownReply.of)
 
 
 @router.get("/{id}", responses=READ)
 async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
     """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
-    return handed_down_reply(await HandedDownRepository(here.database).get(id))
+    return HandedDownReply.of(await HandedDownRepository(here.database).get(id))
 
 
 @router.get("/{id}/check", responses=ACT)
@@ -212,7 +198,7 @@ async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownRep
     """Put on record that somebody used what was handed down, and for what; the plant sees it as well."""
     kept = HandedDownRepository(here.database)
     await kept.note_use(id, wanted.person, wanted.note)
-    return handed_down_reply(await kept.get(id))
+    return HandedDownReply.of(await kept.get(id))
 
 
 def _require_model(record: HandedDownRecord) -> NewHandedDown:

@@ -113,16 +113,6 @@ class DiagnosisSummaryReply(StoredDiagnosis):
     findings: Annotated[list[FindingReply], FieldSource("diagnosis.findings")]
 
 
-def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
-    """Return a diagnosis as it travels."""
-    return DiagnosisReply.of(record)
-
-
-def diagnosis_summary_reply(record: DiagnosisRecord) -> DiagnosisSummaryReply:
-    """Return a diagnosis as it stands in a list."""
-    return DiagnosisSummaryReply.of(record)
-
-
 class SignReply(Reply):
     """What one diagnosis says of a cause; numbers are null where it did not find it."""
 
@@ -198,9 +188,9 @@ def comparison_reply(
     robot: str, records: Sequence[DiagnosisRecord], causes: Sequence[CauseOverTime]
 ) -> ComparisonReply:
     """Return a comparison as it travels."""
-    return ComparisonReply(
+    return ComparisonReply.of(
         robot=robot,
-        diagnoses=[diagnosis_summary_reply(record) for record in records],
+        diagnoses=records,
         undated_ids=[record.id for record in records if record.measured_at is None],
         causes=[_cause(cause) for cause in causes],
         alarms=[_alarm(alarm) for alarm in alarms(causes, dated_diagnoses(records))],
@@ -277,7 +267,7 @@ async def diagnose_session(
 @router.get("/diagnoses", responses=LIST)
 async def list_diagnoses(here: Here, paging: Paged) -> list[DiagnosisSummaryReply]:
     """List diagnoses, oldest first, each with its first line and its findings."""
-    return paging.shown(await here.diagnoses.page(paging.page), diagnosis_summary_reply)
+    return paging.shown(await here.diagnoses.page(paging.page), DiagnosisSummaryReply.of)
 
 
 @router.get("/diagnoses/comparison", responses=ACT)
@@ -292,7 +282,7 @@ async def compare_diagnoses(
 @router.get("/diagnoses/{id}", responses=READ)
 async def get_diagnosis(here: Here, id: Id) -> DiagnosisReply:
     """Show a diagnosis: the document that `truepose diagnose --json` prints."""
-    return diagnosis_reply(await here.diagnoses.get(id))
+    return DiagnosisReply.of(await here.diagnoses.get(id))
 
 
 def _named(effects: list[str] | None) -> tuple[str, ...] | None:

@@ -7,9 +7,8 @@ from fastapi import HTTPException, Query, Response, status
 from fastapi import Request as HttpRequest
 from pydantic import Field, JsonValue
 
-from truepose.exchange.import_wizard.dialogue import Asked, Kind, Understood
+from truepose.exchange.import_wizard.dialogue import Asked, Kind
 from truepose.exchange.results.document import FieldSource, Quantity, Spoken
-from truepose.storage.drafts import Draft
 from truepose.web.context import Here
 from truepose.web.resources import CHANGE, LIST, READ, Counted, Id, problems, resource
 from truepose.web.schemas import (
@@ -298,16 +297,6 @@ class UnderstoodReply(Reply):
     simulated: bool = Field(description="As the files say of themselves.")
 
 
-def draft_reply(draft: Draft) -> DraftReply:
-    """Return a draft as it travels."""
-    return DraftReply.of(draft)
-
-
-def understood_reply(found: Understood) -> UnderstoodReply:
-    """Return what was understood as it travels."""
-    return UnderstoodReply.of(found)
-
-
 router = resource("/drafts", tags=["drafts"])
 _RECEIVING_S: Final = 300.0  # 64 MB at 2 Mbit/s
 _BODY: Final = {
@@ -335,19 +324,19 @@ async def start_draft(here: Here, response: Response, wanted: NewDraftRequest) -
     """Begin with nothing, or with the example; files come next. It ends 14 days after its last change."""
     draft = await (here.draft_desk.create_example() if wanted.example else here.draft_desk.create())
     response.headers["Location"] = f"/api/v1/drafts/{draft.id}"
-    return draft_reply(draft)
+    return DraftReply.of(draft)
 
 
 @router.get("", responses=LIST)
 async def list_drafts(here: Here, paging: Counted) -> list[DraftReply]:
     """List drafts, the latest first; there are twenty at most."""
-    return paging.of(await here.draft_desk.all(), draft_reply)
+    return paging.of(await here.draft_desk.all(), DraftReply.of)
 
 
 @router.get("/{id}", responses=READ)
 async def get_draft(here: Here, id: Id) -> DraftReply:
     """Show the files of a draft, and what was said of them."""
-    return draft_reply(await here.draft_desk.get(id))
+    return DraftReply.of(await here.draft_desk.get(id))
 
 
 @router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=READ)
@@ -369,7 +358,7 @@ async def add_draft_file(here: Here, request: HttpRequest, id: Id, name: NameOfF
     """
     try:
         async with asyncio.timeout(_RECEIVING_S):
-            return draft_reply(await here.draft_desk.receive(id, name, request.stream()))
+            return DraftReply.of(await here.draft_desk.receive(id, name, request.stream()))
     except TimeoutError as error:
         raise HTTPException(
             status.HTTP_408_REQUEST_TIMEOUT,
@@ -380,20 +369,20 @@ async def add_draft_file(here: Here, request: HttpRequest, id: Id, name: NameOfF
 @router.delete("/{id}/files", responses=READ)
 async def remove_draft_file(here: Here, id: Id, number: FileNumber) -> DraftReply:
     """Take a file out of a draft."""
-    return draft_reply(await here.draft_desk.remove_file(id, number))
+    return DraftReply.of(await here.draft_desk.remove_file(id, number))
 
 
 @router.patch("/{id}", responses=problems(400, 404, 413, 415, 422, 503))
 async def correct_draft(here: Here, id: Id, said: DraftRequest) -> DraftReply:
     """Say what columns and files are, which robot it is, when it was measured; correct single lines."""
-    return draft_reply(await here.draft_desk.say(id, said.model_dump(mode="json", exclude_unset=True)))
+    return DraftReply.of(await here.draft_desk.say(id, said.model_dump(mode="json", exclude_unset=True)))
 
 
 @router.get("/{id}/understood", responses=READ)
 async def get_understood(here: Here, id: Id) -> UnderstoodReply:
     """Show what each file and column is taken for, which robot fits, what is asked, and the first fault."""
     draft = await here.draft_desk.get(id)
-    return understood_reply(await here.draft_desk.understood(draft))
+    return UnderstoodReply.of(await here.draft_desk.understood(draft))
 
 
 @router.post("/{id}/campaign", status_code=status.HTTP_201_CREATED, responses=CHANGE)
@@ -404,4 +393,4 @@ async def make_campaign_of_draft(here: Here, response: Response, id: Id, wanted:
     """
     draft = await here.draft_desk.make(id, wanted.name)
     response.headers["Location"] = f"/api/v1/campaigns/{draft.campaign_id}"
-    return draft_reply(draft)
+    return DraftReply.of(draft)

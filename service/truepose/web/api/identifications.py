@@ -6,9 +6,10 @@ from fastapi import Response, status
 from pydantic import Field
 
 from truepose.effects.registry import EFFECTS, chosen_effects
+from truepose.exchange.results.document import FieldSource
 from truepose.exchange.results.identification import IdentificationDocument
 from truepose.exchange.results.validation import ValidationDocument
-from truepose.storage.records import IdentificationRecord, ValidationRecord
+from truepose.storage.records import IdentificationRecord
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
@@ -71,18 +72,13 @@ class ValidationReply(Reply):
     model_id: RecordId
     campaign_id: RecordId
     simulated: Simulated
-    document: ValidationDocument
+    document: Annotated[ValidationDocument, FieldSource("validation")]
 
 
 def identification_reply(record: IdentificationRecord) -> IdentificationReply:
     """Return an identification as it travels."""
     document = IdentificationDocument.of_robot(record.identification, record.robot)
     return IdentificationReply.of(record, document=document)
-
-
-def validation_reply(record: ValidationRecord) -> ValidationReply:
-    """Return a validation as it travels."""
-    return ValidationReply.of(record, document=record.validation)
 
 
 router = resource("/identifications", tags=["identifications"])
@@ -125,10 +121,10 @@ async def validate_model(
 @validations_router.get("", responses=LIST)
 async def list_validations(here: Here, paging: Paged) -> list[ValidationReply]:
     """List validations, oldest first."""
-    return paging.shown(await here.results.validations(paging.page), validation_reply)
+    return paging.shown(await here.results.validations(paging.page), ValidationReply.of)
 
 
 @validations_router.get("/{id}", responses=READ)
 async def get_validation(here: Here, id: Id) -> ValidationReply:
     """Show a validation: the document that `truepose validate --json` prints."""
-    return validation_reply(await here.results.validation(id))
+    return ValidationReply.of(await here.results.validation(id))

@@ -65,10 +65,8 @@ class PersonReply(Reply):
     @classmethod
     def about(cls, person: Person, kinds: set[str], *, has_pin: bool) -> "PersonReply":
         """Return somebody with what opens the service to them."""
-        return cls(
-            id=person.id,
-            name=person.name,
-            role=person.role,
+        return cls.of(
+            person,
             has_password="password" in kinds,
             has_pin=has_pin,
             has_badge="badge" in kinds,
@@ -105,12 +103,12 @@ class TokenReply(Reply):
     @classmethod
     def about(cls, record: CredentialRecord, owner: str) -> "TokenReply":
         """Return a token without its secret."""
-        return cls(
-            id=record.id,
-            recorded_at=record.recorded_at,
-            name=record.document["name"],
+        said = record.document
+        return cls.of(
+            record,
+            name=said["name"],
             owner=owner,
-            role=Role(record.document["role"]),
+            role=said["role"],
             expires_at=record.expires_at or "",
         )
 
@@ -149,8 +147,7 @@ class ActOfPersonReply(Reply):
     @classmethod
     def about(cls, record: ActRecord) -> "ActOfPersonReply":
         """Return a stored act."""
-        act = record.act
-        return cls(id=record.id, **{name: getattr(act, name) for name in type(act).__dataclass_fields__})
+        return cls.of(record.act, id=record.id)
 
 
 class ActsReply(Reply):

@@ -7,8 +7,8 @@ from pydantic import Field, field_validator
 
 from truepose.analysis.drafts import draft_of_series
 from truepose.domain.campaign import Delivery, Series
-from truepose.storage.ledger.series import SeriesRecord
-from truepose.web.api.drafts import DraftReply, draft_reply
+from truepose.exchange.results.document import FieldSource
+from truepose.web.api.drafts import DraftReply
 from truepose.web.context import Here
 from truepose.web.resources import CHANGE, LIST, LIST_OF_RECORD, READ, Id, Paged, problems, resource
 from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, RecordedAt, RecordId, Reply, Request, example
@@ -78,10 +78,12 @@ class SeriesReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
-    name: str
-    columns: Columns
+    name: Annotated[str, FieldSource("series.name")]
+    columns: Annotated[Columns, FieldSource("series.columns")]
     readings: int = Field(description="How many it holds.")
-    next_number: int = Field(description="Number of the reading that it goes on at.")
+    next_number: Annotated[int, FieldSource("readings", lambda count: count + 1)] = Field(
+        description="Number of the reading that it goes on at."
+    )
 
 
 class DeliveredReply(Reply):
@@ -98,18 +100,6 @@ class DeliveredReadingReply(Reply):
     values: Values
 
 
-def series_reply(record: SeriesRecord) -> SeriesReply:
-    """Return a series as it travels."""
-    return SeriesReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        name=record.series.name,
-        columns=list(record.series.columns),
-        readings=record.readings,
-        next_number=record.readings + 1,
-    )
-
-
 router = resource("/series", tags=["series"])
 
 
@@ -118,19 +108,19 @@ async def start_series(here: Here, response: Response, wanted: SeriesRequest) ->
     """Begin a series: say what its columns are, as the header of a table would."""
     number = await here.series.begin(wanted.series())
     response.headers["Location"] = f"/api/v1/series/{number}"
-    return series_reply(await here.series.get(number))
+    return SeriesReply.of(await here.series.get(number))
 
 
 @router.get("", responses=LIST)
 async def list_series(here: Here, paging: Paged) -> list[SeriesReply]:
     """List series, oldest first."""
-    return paging.shown(await here.series.page(paging.page), series_reply)
+    return paging.shown(await here.series.page(paging.page), SeriesReply.of)
 
 
 @router.get("/{id}", responses=READ)
 async def get_series(here: Here, id: Id) -> SeriesReply:
     """Show a series, and the number of the reading that it goes on at."""
-    return series_reply(await here.series.get(id))
+    return SeriesReply.of(await here.series.get(id))
 
 
 @router.post("/{id}/readings", status_code=status.HTTP_201_CREATED, responses=CHANGE)
@@ -162,4 +152,4 @@ async def make_draft_of_series(here: Here, response: Response, id: Id) -> DraftR
     """Bring what a series holds so far, as if its table had been dropped at `/bring`."""
     draft = await draft_of_series(here.series, here.draft_desk, id)
     response.headers["Location"] = f"/api/v1/drafts/{draft.id}"
-    return draft_reply(draft)
+    return DraftReply.of(draft)

@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import AsyncGenerator
 from http import HTTPStatus
-from typing import Any, Final
+from typing import Final
 
 import segno
 from fastapi import APIRouter, status
@@ -44,9 +44,9 @@ class WatchLinkReply(Reply):
     @classmethod
     def about(cls, record: CredentialRecord) -> "WatchLinkReply":
         """Return a link without its secret."""
-        said: dict[str, Any] = record.document
-        return cls(
-            id=record.id, session_id=said["session_id"], expires_at=record.expires_at or "", by=said["by"]
+        said = record.document
+        return cls.of(
+            record, session_id=said["session_id"], expires_at=record.expires_at or "", by=said["by"]
         )
 
 

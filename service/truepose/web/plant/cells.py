@@ -114,26 +114,18 @@ class PlantRecordReply(Reply):
 
 def visit_reply(record: VisitRecord) -> VisitReply:
     """Return a visit as it travels."""
-    visit, clock = record.visit, record.visit.clock
-    return VisitReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        found_at=record.found_at,
-        outcome=visit.outcome.value,
-        sentence=visit.sentence,
-        collected=visit.collected,
-        newest=visit.newest,
-        head=visit.head,
+    clock = record.visit.clock
+    return VisitReply.of(
+        record,
+        record.visit,
         clock_offset_s=None if clock is None else clock.offset_s,
         clock_bound_s=None if clock is None else clock.bound_s,
-        version=visit.version,
     )
 
 
 def record_reply(line: JournalLine) -> PlantRecordReply:
     """Return a line of a journal as it travels."""
-    told = {name: getattr(line, name) for name in PlantRecordReply.model_fields}
-    return PlantRecordReply(**(told | {"hash": line.hash.hex()}))
+    return PlantRecordReply.of(line, hash=line.hash.hex())
 
 
 class _NameConvertor(StringConvertor):

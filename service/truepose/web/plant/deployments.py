@@ -43,20 +43,7 @@ class HandDownReply(Reply):
 
 def hand_down_reply(record: HandDownRecord) -> HandDownReply:
     """Return what was handed down, as it travels."""
-    told = record.hand_down
-    return HandDownReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        cell=told.cell,
-        kind=told.kind.value,
-        name=told.name,
-        person=told.person,
-        document=dict(told.document),
-        state=record.state.value,
-        sentence=record.sentence,
-        state_since=record.state_since,
-        number_in_cell=record.number_in_cell,
-    )
+    return HandDownReply.of(record, record.hand_down)
 
 
 router = resource("/plant/hand-downs", tags=["plant"])

@@ -12,13 +12,7 @@ from truepose.messages.message import message
 from truepose.plant.calibration_due import latest_day
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.certificates import CertificateRecord
-from truepose.storage.plant.queries import (
-    DayMeasured,
-    InstrumentRecord,
-    ResultKind,
-    ResultRecord,
-    RobotRecord,
-)
+from truepose.storage.plant.queries import ResultKind
 from truepose.web.plant.context import PlantHere
 from truepose.web.resources import LIST, LIST_OF_RECORD, READ, Id, Paged, resource
 from truepose.web.schemas import RecordId, Reply
@@ -99,36 +93,11 @@ class InstrumentLifeReply(Reply):
     results: list[PlantResultReply]
 
 
-def robot_reply(seen: RobotRecord) -> SeenRobotReply:
-    """Return a robot as it travels."""
-    return SeenRobotReply(**{name: getattr(seen, name) for name in SeenRobotReply.model_fields})
-
-
-def instrument_reply(seen: InstrumentRecord) -> SeenInstrumentReply:
-    """Return an instrument as it travels."""
-    return SeenInstrumentReply(**{name: getattr(seen, name) for name in SeenInstrumentReply.model_fields})
-
-
 def certificate_reply(stated: CertificateRecord, today: date) -> StatedCertificateReply:
     """Return a certificate as it travels."""
-    return StatedCertificateReply(
-        what=stated.paper.of,
-        certificate=stated.paper.certificate,
-        expires=stated.paper.expires,
-        standing=stated.standing(today),
-        cell=stated.cell,
-        stated_on=stated.stated_on,
+    return StatedCertificateReply.of(
+        stated, stated.paper, what=stated.paper.of, standing=stated.standing(today)
     )
-
-
-def day_reply(day: DayMeasured) -> DayReply:
-    """Return a day as it travels."""
-    return DayReply(**{name: getattr(day, name) for name in DayReply.model_fields})
-
-
-def result_reply(result: ResultRecord) -> PlantResultReply:
-    """Return a result as it travels."""
-    return PlantResultReply(**{name: getattr(result, name) for name in PlantResultReply.model_fields})
 
 
 router = resource("/plant", tags=["plant"])
@@ -158,43 +127,43 @@ Serial = Annotated[str, Path(min_length=1, max_length=200, description="Serial n
 @router.get("/robots", responses=LIST)
 async def list_seen_robots(here: PlantHere, paging: Paged) -> list[SeenRobotReply]:
     """List the robots of all cells, in the order in which they were first seen."""
-    return paging.shown(await here.looks.robots(paging.page, _upto()), robot_reply)
+    return paging.shown(await here.looks.robots(paging.page, _upto()), SeenRobotReply.of)
 
 
 @router.get("/robots/{serial:path}", responses=READ)
 async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
     """Show the life of a robot: what was measured of it on which day, and what was made of that."""
-    return RobotLifeReply(
-        robot=robot_reply(await here.looks.robot(serial, _upto())),
-        days=[day_reply(day) for day in await here.looks.days_of_robot(serial)],
-        results=[result_reply(result) for result in await here.looks.life_of_robot(serial)],
+    return RobotLifeReply.of(
+        robot=await here.looks.robot(serial, _upto()),
+        days=await here.looks.days_of_robot(serial),
+        results=await here.looks.life_of_robot(serial),
     )
 
 
 @router.get("/instruments", responses=LIST)
 async def list_seen_instruments(here: PlantHere, paging: Paged) -> list[SeenInstrumentReply]:
     """List the instruments of all cells, in the order in which they were first seen."""
-    return paging.shown(await here.looks.instruments(paging.page, _upto()), instrument_reply)
+    return paging.shown(await here.looks.instruments(paging.page, _upto()), SeenInstrumentReply.of)
 
 
 @router.get("/instruments/{serial:path}", responses=READ)
 async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLifeReply:
     """Show the life of an instrument: what it measured on which day, in which cell."""
-    return InstrumentLifeReply(
-        instrument=instrument_reply(await here.looks.instrument(serial, _upto())),
+    return InstrumentLifeReply.of(
+        instrument=await here.looks.instrument(serial, _upto()),
         certificates=[
             certificate_reply(stated, datetime.now(UTC).date())
             for stated in await here.certificates.of_instrument(serial)
         ],
-        days=[day_reply(day) for day in await here.looks.days_of_instrument(serial)],
-        results=[result_reply(result) for result in await here.looks.life_of_instrument(serial)],
+        days=await here.looks.days_of_instrument(serial),
+        results=await here.looks.life_of_instrument(serial),
     )
 
 
 @router.get("/{kind}", responses=LIST_OF_RECORD)
 async def list_plant_results(here: PlantHere, kind: Kinds, paging: Paged) -> list[PlantResultReply]:
     """List what was measured or made, in the order in which it was collected."""
-    return paging.shown(await here.looks.results(_TABLES[kind], paging.page), result_reply)
+    return paging.shown(await here.looks.results(_TABLES[kind], paging.page), PlantResultReply.of)
 
 
 @router.get("/{kind}/{id}/record", responses=READ)
