@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from truepose.domain.cell import Cell
 from truepose.web.api.sessions.kinds import kind_of
-from truepose.web.api.spaces import PlanSpaceReply, StopState, plan_space_reply
+from truepose.web.api.spaces import PlanSpaceReply, StopState
 from truepose.web.context import Here
 from truepose.web.resources import ACT, Id, resource
 
@@ -35,7 +35,9 @@ def _drawn(
 ) -> PlanSpaceReply:
     from truepose.reports.plan_3d import plan_space
 
-    return plan_space_reply(plan_space(cell, _selected(places, states), states, instrument_mm))
+    space = plan_space(cell, _selected(places, states), states, instrument_mm)
+    coming = None if space.next is None else space.stops[space.next].config
+    return PlanSpaceReply.of(space, next_config=coming)
 
 
 def _selected(places: "list[Place]", states: dict[int, StopState]) -> "list[Place]":
