@@ -81,18 +81,8 @@ async def _report(here: Context, record: CorrectionRecord, words: Catalogue) -> 
 
 
 async def _rows(here: Context, month: str) -> list[ReportRow]:
-    return [
-        ReportRow(
-            "correction",
-            one.id,
-            "reports.correction",
-            one.recorded_at,
-            one.robot,
-            one.name,
-            one.simulated,
-        )
-        for one in await here.corrections.newest_of(LISTED, month)
-    ]
+    records = await here.corrections.newest_of(LISTED, month)
+    return [CORRECTION.row(one, one.robot, one.name) for one in records]
 
 
 async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:

@@ -103,19 +103,13 @@ async def _actions(here: Context, record: DiagnosisRecord) -> Actions | None:
 
 
 async def _rows(here: Context, month: str) -> list[ReportRow]:
-    return [
-        ReportRow(
-            "diagnosis",
-            one.id,
-            "reports.diagnosis",
-            one.recorded_at,
-            one.diagnosis.robot,
-            together(outcome_of(one.diagnosis), one.diagnosis.message),
-            one.simulated,
-            one.robot_serial_number,
-        )
-        for one in await here.diagnoses.newest_of(LISTED, month)
-    ]
+    return [_row(one) for one in await here.diagnoses.newest_of(LISTED, month)]
+
+
+def _row(record: DiagnosisRecord) -> ReportRow:
+    found = record.diagnosis
+    sentence = together(outcome_of(found), found.message)
+    return DIAGNOSIS.row(record, found.robot, sentence, record.robot_serial_number)
 
 
 async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:

@@ -126,18 +126,8 @@ class StoredIdentification:
 
 
 async def _identification_rows(here: Context, month: str) -> list[ReportRow]:
-    return [
-        ReportRow(
-            "identification",
-            one.id,
-            "reports.identification",
-            one.recorded_at,
-            one.robot,
-            outcome_of(one.identification),
-            one.simulated,
-        )
-        for one in await here.results.newest_identifications(LISTED, month)
-    ]
+    records = await here.results.newest_identifications(LISTED, month)
+    return [IDENTIFICATION.row(one, one.robot, outcome_of(one.identification)) for one in records]
 
 
 async def _identification(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:
@@ -186,18 +176,7 @@ class StoredValidation:
 async def _validation_rows(here: Context, month: str) -> list[ReportRow]:
     records = await here.results.newest_validations(LISTED, month)
     robots = {one.model_id: (await here.results.model(one.model_id)).robot for one in records}
-    return [
-        ReportRow(
-            "validation",
-            one.id,
-            "reports.validation",
-            one.recorded_at,
-            robots[one.model_id],
-            outcome_of(one.validation),
-            one.simulated,
-        )
-        for one in records
-    ]
+    return [VALIDATION.row(one, robots[one.model_id], outcome_of(one.validation)) for one in records]
 
 
 async def _validation(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:

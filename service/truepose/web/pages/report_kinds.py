@@ -9,6 +9,13 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text
 from truepose.storage.errors import NotFoundError
+from truepose.storage.records import (
+    CorrectionRecord,
+    DiagnosisRecord,
+    IdentificationRecord,
+    SessionRecord,
+    ValidationRecord,
+)
 from truepose.storage.results.reports import ReportRecord, ReportSubject
 from truepose.web.context import Context
 from truepose.web.pages.rendering import Visit, moment, render_part
@@ -23,6 +30,11 @@ if TYPE_CHECKING:
 LISTED: Final = 100  # of a kind, at most
 
 
+Recorded: TypeAlias = (
+    IdentificationRecord | ValidationRecord | DiagnosisRecord | CorrectionRecord | SessionRecord
+)
+
+
 @dataclass(frozen=True, slots=True)
 class ReportRow:
     """A report as lists name it."""
@@ -35,7 +47,6 @@ class ReportRow:
     sentence: Text
     simulated: bool
     serial: str = ""
-    name: str = ""
 
 
 class Drawn(Protocol):
@@ -66,6 +77,21 @@ class ReportKind:
     title: str  # key of the catalogue
     rows: Rows  # the latest of a month (`2026-11`), or of all
     drawable: Made
+
+    def row(
+        self, record: Recorded, robot: str, sentence: Text, serial: str = "", title: str = ""
+    ) -> ReportRow:
+        """Return the report of a record as lists name it; `title` where it is not that of the kind."""
+        return ReportRow(
+            self.name,
+            record.id,
+            title or self.title,
+            record.recorded_at,
+            robot,
+            sentence,
+            record.simulated,
+            serial,
+        )
 
 
 async def report_of(

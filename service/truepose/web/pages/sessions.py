@@ -184,28 +184,14 @@ async def closing_page(visit: Visited, id: Id) -> HTMLResponse:
 
 
 async def _report_rows(here: Context, month: str) -> list[ReportRow]:
-    records = await here.sessions.newest_of(LISTED, month)
-    return [
-        await _report_row(here, origin) for origin in await origins_of(here, records) if _has_result(origin)
-    ]
+    origins = await origins_of(here, await here.sessions.newest_of(LISTED, month))
+    return [await _report_row(here, row) for row in map(_row, origins) if row.has_result]
 
 
-def _has_result(origin: Origin) -> bool:
-    return origin.record.measured > 0 and kind_of(origin) is not None
-
-
-async def _report_row(here: Context, origin: Origin) -> ReportRow:
-    record, kind, cell = origin.record, kind_of(origin), (await here.sessions.setup(origin.record.id)).cell
-    return ReportRow(
-        "session",
-        record.id,
-        "reports.session" if kind is None else kind.title,
-        record.recorded_at,
-        cell.robot.name,
-        record.name,
-        record.simulated,
-        cell.robot_serial_number,
-    )
+async def _report_row(here: Context, row: Row) -> ReportRow:
+    record = row.origin.record
+    cell = (await here.sessions.setup(record.id)).cell
+    return SESSION.row(record, cell.robot.name, record.name, cell.robot_serial_number, row.title)
 
 
 async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:

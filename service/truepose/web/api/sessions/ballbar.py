@@ -2,7 +2,7 @@
 
 import asyncio
 from collections import defaultdict
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from truepose.domain.ballbar import BallbarPlan, BallbarStep, Leg, StepKind, Suspicion
@@ -31,7 +31,7 @@ from truepose.web.api.sessions.ballbar_replies import (
 )
 from truepose.web.api.sessions.ballbar_requests import BallbarSessionRequest, wanted_plan
 from truepose.web.api.sessions.kind import KindOfSession, Planned, Planning
-from truepose.web.api.sessions.situations import identity_reply, situation_reply
+from truepose.web.api.sessions.situations import situation_reply
 from truepose.web.api.spaces import StopState
 from truepose.web.context import Context
 from truepose.web.middleware.language import in_words
@@ -71,21 +71,7 @@ class BallbarKind(KindOfSession):
 
     def sample(self, seen: LiveSample) -> dict[str, object]:
         """Return the newest value of the ballbar, as it is streamed."""
-        return {
-            "time_s": seen.time_s,
-            "length_mm": seen.length_mm,
-            "deviation_mm": seen.deviation_mm,
-            "state": seen.state,
-            "stable_share": seen.stable_share,
-            "spread_mm": seen.spread_mm,
-            "robot_still": seen.robot_still,
-            "sampled_at_ms": seen.sampled_at_ms,
-            "ballbar": seen.ballbar,
-            "reason_needed": seen.reason_needed,
-            "can_store": seen.can_store,
-            "why_not": seen.why_not,
-            "let_go": seen.let_go,
-        }
+        return asdict(seen)
 
     async def planned_steps(self, here: Context, id: int) -> StepsReply:
         """Return all steps, in order, with what became of them."""
@@ -160,7 +146,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         progress=BallbarProgressReply.of(found.progress),
         acting=None if found.acting is None else ActingReply.of(found.acting),
         last_outcome=_last_outcome(found),
-        ballbar_in_question=None if found.ballbar.foreign is None else identity_reply(found.ballbar.foreign),
+        ballbar_in_question=found.ballbar.foreign,
     )
 
 
@@ -190,7 +176,6 @@ def entry_reply(record: LedgerRecord) -> EntryReply:
         number=record.id,
         text=entry.told,
         suspicion=None if suspicion is None else suspicion_reply(suspicion, artefact),
-        identity=None if entry.identity is None else identity_reply(entry.identity),
     )
 
 

@@ -6,8 +6,7 @@ A slow reader gets the newest of both, not a queue of old ones.
 import asyncio
 import contextlib
 import json
-from collections.abc import AsyncGenerator, AsyncIterator
-from contextlib import AbstractContextManager
+from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from typing import Annotated, Final
 
@@ -21,10 +20,10 @@ from truepose.web.api.events import EventStream, Seconds, stream_content
 from truepose.web.api.sessions.ballbar import entry_reply
 from truepose.web.api.sessions.ballbar_replies import LedgerReply
 from truepose.web.api.sessions.contact_schemas import ContactReadingReply
-from truepose.web.api.sessions.guides import OutlookReply, SheetReply, sheet_reply
+from truepose.web.api.sessions.guides import OutlookReply, SheetReply
 from truepose.web.api.sessions.kind import KindOfSession
 from truepose.web.api.sessions.kinds import AnyPlan, AnyScene, AnySituation, kind_of
-from truepose.web.context import Context, Here
+from truepose.web.context import Here
 from truepose.web.resources import ACT, LIST_OF_RECORD, READ, Counted, Id, Paged, resource, sending
 from truepose.web.schemas import Reply
 
@@ -66,15 +65,10 @@ TabletName = Annotated[
 class Follower:
     """A tablet that follows a session, for as long as it wants."""
 
-    here: Context
-    session_id: int
-    tablet: str
-    stop_after_s: float | None = None
-
-    def streamed(self, situations: AsyncIterator[str], samples: AsyncIterator[str]) -> EventStream:
-        """Return the answer that sends situations and samples, as JSON, while the tablet is counted."""
-        watching = self.here.session_desk.watching.by(self.session_id, self.tablet)
-        return EventStream(_stream(self.here, watching, situations, samples, self.stop_after_s))
+    here: Here
+    id: Id  # of the session
+    tablet: TabletName
+    stop_after_s: Seconds = None
 
 
 async def _kind(here: Here, id: Id) -> KindOfSession:
@@ -84,11 +78,7 @@ async def _kind(here: Here, id: Id) -> KindOfSession:
 Kind = Annotated[KindOfSession, Depends(_kind)]
 
 
-async def _follower(here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None) -> Follower:
-    return Follower(here, id, tablet, stop_after_s)
-
-
-Following = Annotated[Follower, Depends(_follower)]
+Following = Annotated[Follower, Depends()]
 
 
 class _Mailbox:
@@ -119,21 +109,15 @@ class _Mailbox:
         return "".join(texts) or ": still here\n\n"
 
 
-async def _stream(
-    here: Context,
-    watching: AbstractContextManager[None],
-    situations: AsyncIterator[str],
-    samples: AsyncIterator[str],
-    stop_after_s: float | None,
-) -> AsyncGenerator[str]:
-    mailbox = _Mailbox()
+async def _stream(following: Follower, kind: KindOfSession) -> AsyncGenerator[str]:
+    here, mailbox = following.here, _Mailbox()
+    watching = here.session_desk.watching.by(following.id, following.tablet)
     with watching, contextlib.suppress(TimeoutError):
         feeding = [
-            asyncio.create_task(_feed_situations(situations, mailbox)),
-            asyncio.create_task(_feed_samples(samples, mailbox)),
+            asyncio.create_task(feed(following, kind, mailbox)) for feed in (_feed_situations, _feed_samples)
         ]
         try:
-            async with asyncio.timeout(stop_after_s):
+            async with asyncio.timeout(following.stop_after_s):
                 yield "retry: 1000\n\n"  # EventSource comes back after a second when the service restarts
                 while not here.stopping.is_set():
                     yield await mailbox.take()
@@ -143,17 +127,18 @@ async def _stream(
             await asyncio.gather(*feeding, return_exceptions=True)
 
 
-async def _feed_situations(situations: AsyncIterator[str], mailbox: _Mailbox) -> None:
+async def _feed_situations(following: Follower, kind: KindOfSession, mailbox: _Mailbox) -> None:
     told = None
-    async for text in situations:
+    async for _ in following.here.session_desk.changes(following.id):
+        text = (await kind.situation(following.here, following.id)).model_dump_json()
         if text != told:
             mailbox.put_situation(f"event: situation\ndata: {text}\n\n")
             told = text
 
 
-async def _feed_samples(samples: AsyncIterator[str], mailbox: _Mailbox) -> None:
-    async for text in samples:
-        mailbox.put_sample(f"event: sample\ndata: {text}\n\n")
+async def _feed_samples(following: Follower, kind: KindOfSession, mailbox: _Mailbox) -> None:
+    async for seen in following.here.session_desk.live(following.id):
+        mailbox.put_sample(f"event: sample\ndata: {json.dumps(kind.sample(seen))}\n\n")
 
 
 @router.get("/situation", response_model=AnySituation, responses=READ)
@@ -177,7 +162,7 @@ async def get_scene(here: Here, id: Id, kind: Kind) -> Reply:
 @router.get("/sheet", responses=ACT)
 async def get_sheet(here: Here, id: Id) -> SheetReply:
     """List what was read so far without a ballbar: warm-up, fixed nests, looks at them, configurations."""
-    return sheet_reply(await here.guided_sessions.sheet(id))
+    return SheetReply.of(await here.guided_sessions.sheet(id))
 
 
 @router.get("/outlook", responses=ACT)
@@ -212,17 +197,6 @@ async def follow_session(following: Following) -> EventStream:
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
     """
-    here, id = following.here, following.session_id
-    kind = kind_of(await here.sessions.get(id))
-    await kind.situation(here, id)
-    return following.streamed(_situations(kind, here, id), _samples(kind, here, id))
-
-
-async def _situations(kind: KindOfSession, here: Context, id: int) -> AsyncIterator[str]:
-    async for reply in kind.situations(here, id):
-        yield reply.model_dump_json()
-
-
-async def _samples(kind: KindOfSession, here: Context, id: int) -> AsyncIterator[str]:
-    async for sample in kind.samples(here, id):
-        yield json.dumps(sample)
+    kind = kind_of(await following.here.sessions.get(following.id))
+    await kind.situation(following.here, following.id)  # refused before an answer has begun
+    return EventStream(_stream(following, kind))

@@ -4,21 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from truepose.exchange.results.document import FieldSource
 from truepose.sessions.guide.guide import Guide, Kind, StepName
-from truepose.sessions.guide.reading_tables import Sheet, Status
-from truepose.sessions.guide.scene import GuidedScene, WhyHidden
+from truepose.sessions.guide.reading_tables import Status
+from truepose.sessions.guide.scene import WhyHidden
 from truepose.web.api.sessions.schemas import ProgressReply
-from truepose.web.api.sessions.situations import (
-    IdentityReply,
-    SituationReply,
-    identity_reply,
-    situation_reply,
-)
+from truepose.web.api.sessions.situations import IdentityReply, SituationReply, situation_reply
 from truepose.web.middleware.language import Said
-from truepose.web.schemas import (
-    Point,
-    Reply,
-)
+from truepose.web.schemas import Point, Reply
 
 Millimetres = Annotated[float | None, Field(examples=[0.012])]
 Delta = Annotated[Point | None, Field(description="Read minus expected, in the world; null: not known.")]
@@ -120,7 +113,7 @@ class SheetReply(Reply):
 
     warmth: WarmthReply | None = Field(description="Null: the plan asks for no warm-up.")
     nests: list[NestRowReply]
-    placed: PlacedReply | None
+    placed: Annotated[PlacedReply | None, FieldSource("registration")]
     looks: list[LookReply]
     points: list[PointRowReply]
 
@@ -173,7 +166,7 @@ class OutlookReply(Reply):
 def guide_reply(view: Guide) -> GuideReply:
     """Return a session as it travels."""
     fixed, found = view.fixed, view.standing
-    cell, foreign = fixed.setup.cell, view.tracker_in_question
+    cell = fixed.setup.cell
     return situation_reply(
         GuideReply,
         view.id,
@@ -188,15 +181,5 @@ def guide_reply(view: Guide) -> GuideReply:
         attachment=fixed.setup.attachment,
         warm_up=bool(getattr(fixed.plan, "warm_up", False)),
         last_stop=found.last,
-        tracker_in_question=None if foreign is None else identity_reply(foreign),
+        tracker_in_question=view.tracker_in_question,
     )
-
-
-def sheet_reply(sheet: Sheet) -> SheetReply:
-    """Return tables as they travel."""
-    return SheetReply.of(sheet, placed=sheet.registration)
-
-
-def scene_reply(scene: GuidedScene) -> GuidedSceneReply:
-    """Return a picture as it travels."""
-    return GuidedSceneReply.of(scene)

@@ -1,16 +1,15 @@
 """One kind of session as it travels: what the resource `/sessions` asks of each."""
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from fastapi import Request
+from fastapi import Depends, Request
 
-from truepose.storage.records import RequestKey
 from truepose.web.api.sessions.situations import SituationReply
 from truepose.web.api.spaces import StopState
 from truepose.web.context import Context
+from truepose.web.resources import Later, OptionalKey, Sender
 from truepose.web.schemas import Reply
 
 if TYPE_CHECKING:
@@ -22,9 +21,12 @@ class Planning:
     """What came with a request for a plan, beside its body."""
 
     request: Request
-    key: RequestKey | None
-    later: bool  # the client would rather be told of a job than wait
-    sender: str
+    key: OptionalKey
+    later: Later  # the client would rather be told of a job than wait
+    sender: Sender
+
+
+PlanningRequest = Annotated[Planning, Depends()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +55,6 @@ class KindOfSession(ABC):
     @abstractmethod
     def sample(self, seen: Any) -> dict[str, object]:
         """Return what its instrument sees, as it is streamed."""
-
-    async def situations(self, here: Context, id: int) -> AsyncIterator[SituationReply]:
-        """Yield where a session stands, now and whenever that changes."""
-        async for _ in here.session_desk.changes(id):
-            yield await self.situation(here, id)
-
-    async def samples(self, here: Context, id: int) -> AsyncIterator[dict[str, object]]:
-        """Yield what its instrument sees, whenever the session is under way."""
-        async for seen in here.session_desk.live(id):
-            yield self.sample(seen)
 
     @abstractmethod
     async def planned_steps(self, here: Context, id: int) -> Reply:

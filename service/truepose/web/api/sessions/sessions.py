@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from fastapi import Request, Response, status
+from fastapi import Response, status
 
 from truepose.analysis.campaigns.records import circles_by_session, proof_by_session
 from truepose.domain.session import Registration
@@ -28,7 +28,7 @@ from truepose.web.api.sessions.added_stops import (
     addition_reply,
     wanted_stops,
 )
-from truepose.web.api.sessions.kind import Planning
+from truepose.web.api.sessions.kind import PlanningRequest
 from truepose.web.api.sessions.kinds import AnySessionRequest, kind_called
 from truepose.web.api.sessions.schemas import (
     ProgressReply,
@@ -36,7 +36,7 @@ from truepose.web.api.sessions.schemas import (
     SessionDetailReply,
     SessionReply,
 )
-from truepose.web.api.sessions.situations import identity_reply, prompt_reply
+from truepose.web.api.sessions.situations import prompt_reply
 from truepose.web.context import Context, Here
 from truepose.web.middleware.language import in_words
 from truepose.web.pages.accuracy_results import accuracy_of
@@ -48,12 +48,10 @@ from truepose.web.resources import (
     LIST,
     READ,
     Id,
-    Later,
     ModelId,
     ModelIds,
     OptionalKey,
     Paged,
-    Sender,
     resource,
 )
 
@@ -70,13 +68,7 @@ router = resource("/sessions", tags=["sessions"])
     | CHANGE,
 )
 async def plan_session(
-    here: Here,
-    request: Request,
-    wanted: AnySessionRequest,
-    response: Response,
-    key: OptionalKey,
-    later: Later,
-    sender: Sender,
+    here: Here, wanted: AnySessionRequest, response: Response, planning: PlanningRequest
 ) -> SessionDetailReply | JobReply:
     """Plan a session of any kind: with configurations given (201), or to be chosen (201, or 202 by a job).
 
@@ -85,11 +77,10 @@ async def plan_session(
     configurations on which the arm would touch floor, table or itself is refused where the cell states its
     floor; else the `notes` of the session say so, and the question before it moves.
     """
-    planning = Planning(request, key, later, sender)
     made = await kind_called(wanted.kind).plan(here, wanted, planning)
     if made.by_job:
         response.status_code = status.HTTP_202_ACCEPTED
-        return await queued_job(here, made.number, response, preferred=later)
+        return await queued_job(here, made.number, response, preferred=planning.later)
     response.headers["Location"] = f"/api/v1/sessions/{made.number}"
     return await get_session(here, made.number)
 
@@ -143,7 +134,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
         states=await here.sessions.states(id),
         skipped_stops=await here.sessions.skipped(id),
         registration=None if registration is None else _registration(registration),
-        identities=[identity_reply(taken) for taken in await here.sessions.identities(id)],
+        identities=await here.sessions.identities(id),
         notes=await here.sessions.notes(id),
     )
 
@@ -198,11 +189,10 @@ def _reply(here: Context, record: SessionRecord) -> SessionReply:
     if runner is not None:
         moment = runner.moment
         record = replace(record, state=moment.state, reason=moment.reason)
-    foreign = runner.tracker_in_question if isinstance(runner, TrackerRunner) else None
     return SessionReply.of(
         record,
         reason_key=key_of(record.reason),
-        tracker_in_question=None if foreign is None else identity_reply(foreign),
+        tracker_in_question=runner.tracker_in_question if isinstance(runner, TrackerRunner) else None,
         prompt=prompt_reply(record.id, now.prompt),
         trouble=now.trouble,
         motion_notice=now.motion_notice,

@@ -4,7 +4,8 @@ from typing import Annotated, TypeVar
 
 from pydantic import Field
 
-from truepose.domain.session import Finding, IdentityOf, IdentityTaken, SessionState
+from truepose.domain.session import Finding, IdentityOf, SessionState
+from truepose.exchange.results.document import null_if_empty
 from truepose.messages.message import key_of
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.engine.commands import CommandName
@@ -21,20 +22,13 @@ class IdentityReply(Reply):
 
     device: IdentityOf
     finding: Finding = Field(description="`foreign` waits for a person; `accepted` says who it was.")
-    serial_number: str | None = Field(
+    serial_number: Annotated[str | None, null_if_empty("serial")] = Field(
         description="As it answered; null: it does not say.", examples=["391234"]
     )
-    expected_serial_number: str | None = Field(
+    expected_serial_number: Annotated[str | None, null_if_empty("expected")] = Field(
         description="Of the cell file, or of the session so far; null: none.", examples=["390003"]
     )
     person: str | None = Field(description="Who accepted it.", examples=["Ada Byron"])
-
-
-def identity_reply(taken: IdentityTaken) -> IdentityReply:
-    """Return a line of a session's record as it travels."""
-    return IdentityReply.of(
-        taken, serial_number=taken.serial or None, expected_serial_number=taken.expected or None
-    )
 
 
 People = Annotated[
@@ -110,7 +104,6 @@ def situation_reply(
             "people": list(now.people),
             "ledger_number": now.newest_entry,
             "commands": sorted(found.acts),
-            "identities": [identity_reply(taken) for taken in found.identities],
             **more,
         },
     )

@@ -1,7 +1,6 @@
 """Sessions that run while nobody is in the cell, as they travel: with a tracker, a camera, gauges."""
 
 import asyncio
-from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 from truepose.analysis.campaigns.contacts import readings_of
@@ -22,7 +21,7 @@ from truepose.web.api.sessions.contact_schemas import (
     plan_reply,
     wish_of,
 )
-from truepose.web.api.sessions.guides import GuidedSceneReply, GuideReply, guide_reply, scene_reply
+from truepose.web.api.sessions.guides import GuidedSceneReply, GuideReply, guide_reply
 from truepose.web.api.sessions.kind import KindOfSession, Planned, Planning
 from truepose.web.api.sessions.schemas import (
     ChosenStops,
@@ -69,11 +68,7 @@ class UnattendedKind(KindOfSession):
 
     async def scene(self, here: Context, id: int) -> GuidedSceneReply:
         """Return the cell as its instrument sees it."""
-        return scene_reply(await here.guided_sessions.scene(id))
-
-    @abstractmethod
-    async def planned_steps(self, here: Context, id: int) -> PlanReply | ContactPlanReply:
-        """Return what a session does, in order."""
+        return GuidedSceneReply.of(await here.guided_sessions.scene(id))
 
 
 class TrackerKind(UnattendedKind):
