@@ -6,52 +6,31 @@ secrets (the one-time link, the watch link), and so can the rest.
 
 import logging
 import time
-from typing import Final, Protocol
+from typing import Final
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from truepose.correlation import REQUEST, request_named
+from truepose.web.middleware.metrics import Metrics
 
 HEADER: Final = "X-Request-ID"
-
-
 LOGGER: Final = "truepose.requests"
-
-
 _LOG: Final = logging.getLogger(LOGGER)
-
-
 _FAILED: Final = 500
-
-
 _STREAM: Final = "text/event-stream"
-
-
 # Asked so often, by programs and pages, that their lines would hide all others.
 _OFTEN: Final = {"get_health", "get_metrics", "static_file"}
-
-
 NO_OPERATION: Final = "none"  # refused before a route was found
-
-
-class Watching(Protocol):
-    """Who counts requests."""
-
-    def answered(self, operation: str, status: int, seconds: float) -> None:
-        """Count the head of an answer and how long it took."""
-
-    def streaming(self, change: int) -> None:
-        """Count event streams that are open."""
 
 
 class RequestLog:
     """ASGI middleware: gives each request its name, and says what became of it."""
 
-    def __init__(self, app: ASGIApp, watching: Watching) -> None:
+    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app = app
-        self._watching = watching
+        self._metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on and watch its answer."""
@@ -60,7 +39,7 @@ class RequestLog:
             return
         name = request_named(Headers(scope=scope).get(HEADER))
         before = REQUEST.set(name)
-        answer = _Answer(name, scope, send, self._watching)
+        answer = _Answer(name, scope, send, self._metrics)
         try:
             await self._app(scope, receive, answer.send)
         finally:
@@ -71,11 +50,11 @@ class RequestLog:
 class _Answer:
     """One answer on its way."""
 
-    def __init__(self, name: str, scope: Scope, send: Send, watching: Watching) -> None:
+    def __init__(self, name: str, scope: Scope, send: Send, metrics: Metrics) -> None:
         self._name = name
         self._scope = scope
         self._send = send
-        self._watching = watching
+        self._metrics = metrics
         self._begun_s = time.perf_counter()
         self._status: int | None = None
         self._streams = False
@@ -91,14 +70,14 @@ class _Answer:
     def _begin(self, status: int, streams: bool) -> None:
         self._status, self._streams = status, streams
         # Timed to the head of the answer: the body of a stream lasts for hours.
-        self._watching.answered(self._operation, status, time.perf_counter() - self._begun_s)
+        self._metrics.answered(self._operation, status, time.perf_counter() - self._begun_s)
         if streams:
-            self._watching.streaming(+1)
+            self._metrics.streaming(+1)
 
     def end(self) -> None:
         """Say what became of the request."""
         if self._streams:
-            self._watching.streaming(-1)
+            self._metrics.streaming(-1)
         operation, status = self._operation, self._status
         told = {
             "operation": operation,

@@ -8,7 +8,7 @@ and for every method: also reading is not for pages of others.
 import asyncio
 import contextlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Final, TypeAlias
@@ -22,8 +22,6 @@ from truepose.messages.message import Message, message
 from truepose.web.middleware.hosts import AllowedHosts, AskedHost, Proxies, requested_host
 from truepose.web.problems import problem_response
 from truepose.web.schemas import TIME_HEADER, time_s
-
-Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
 # A new page is added here; tests walk all routes (decision 0022).
@@ -44,26 +42,6 @@ _MOST_TAKEN_IN: Final = 65_536  # bytes of it; whoever sends more may find the c
 
 
 @dataclass(frozen=True, slots=True)
-class RequestOrigin:
-    """What of a request tells where it comes from."""
-
-    method: str
-    path: str
-    headers: Headers
-
-    def all(self, name: bytes) -> list[str]:
-        """Return every header of that name."""
-        return [value.decode("latin-1").strip() for found, value in self.headers if found == name]
-
-
-@dataclass(frozen=True, slots=True)
-class Welcome:
-    """The request may come in; browsers know the service under this scheme."""
-
-    scheme: str
-
-
-@dataclass(frozen=True, slots=True)
 class Refusal:
     """The request may not come in."""
 
@@ -71,20 +49,24 @@ class Refusal:
     sentence: Message
 
 
-def judge(asked: RequestOrigin, hosts: AllowedHosts) -> Welcome | Refusal:
-    """Return whether a request may come in."""
-    if not asked.path.startswith("/"):
+def judge(asked: Request, hosts: AllowedHosts) -> str | Refusal:
+    """Return the scheme under which browsers know the service, or why a request may not come in."""
+    if not asked.scope["path"].startswith("/"):
         return Refusal(HTTPStatus.BAD_REQUEST, message("refused.target"))
     host = _host(asked, hosts)
     if isinstance(host, Refusal):
         return host
     refused = _upgrade(asked) or _foreign_origin(asked, hosts, host) or _foreign_fetch(asked)
-    refused = refused or _unproven_change(asked, hosts, host)
-    return refused or Welcome(hosts.scheme(host) or "http")
+    return refused or _unproven_change(asked, hosts, host) or hosts.scheme(host) or "http"
 
 
-def _host(asked: RequestOrigin, hosts: AllowedHosts) -> AskedHost | Refusal:
-    sent = asked.all(b"host")
+def _all(asked: Request, name: str) -> list[str]:
+    """Return every header of that name."""
+    return [value.strip() for value in asked.headers.getlist(name)]
+
+
+def _host(asked: Request, hosts: AllowedHosts) -> AskedHost | Refusal:
+    sent = _all(asked, "host")
     host = requested_host(sent[0]) if len(sent) == 1 else None
     if host is None:
         return Refusal(HTTPStatus.BAD_REQUEST, message("refused.no_host"))
@@ -94,44 +76,44 @@ def _host(asked: RequestOrigin, hosts: AllowedHosts) -> AskedHost | Refusal:
     return host
 
 
-def _upgrade(asked: RequestOrigin) -> Refusal | None:
-    wanted = {token.strip().lower() for value in asked.all(b"upgrade") for token in value.split(",")}
+def _upgrade(asked: Request) -> Refusal | None:
+    wanted = {token.strip().lower() for value in _all(asked, "upgrade") for token in value.split(",")}
     if "websocket" not in wanted:
         return None
     return Refusal(HTTPStatus.BAD_REQUEST, message("refused.web_sockets"))
 
 
-def _foreign_origin(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
-    foreign = [origin for origin in asked.all(b"origin") if not hosts.is_origin(origin, host)]
+def _foreign_origin(asked: Request, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
+    foreign = [origin for origin in _all(asked, "origin") if not hosts.is_origin(origin, host)]
     return _foreign(message("refused.page_of", origin=_shown(foreign[0]))) if foreign else None
 
 
-def _foreign_fetch(asked: RequestOrigin) -> Refusal | None:
-    if _FRAMES.intersection(asked.all(b"sec-fetch-dest")):
+def _foreign_fetch(asked: Request) -> Refusal | None:
+    if _FRAMES.intersection(_all(asked, "sec-fetch-dest")):
         return Refusal(HTTPStatus.FORBIDDEN, message("refused.frame"))
-    sites = asked.all(b"sec-fetch-site")
+    sites = _all(asked, "sec-fetch-site")
     if _OURS.issuperset(sites) and (asked.method in _READING or "none" not in sites):
         return None
     return None if _is_link_to_page(asked) else _foreign(_ANOTHER_PAGE)
 
 
-def _is_link_to_page(asked: RequestOrigin) -> bool:
+def _is_link_to_page(asked: Request) -> bool:
     return (
         asked.method == "GET"
-        and asked.all(b"sec-fetch-mode") == ["navigate"]
-        and asked.all(b"sec-fetch-dest") == ["document"]
-        and PAGES.fullmatch(asked.path) is not None
+        and _all(asked, "sec-fetch-mode") == ["navigate"]
+        and _all(asked, "sec-fetch-dest") == ["document"]
+        and PAGES.fullmatch(asked.scope["path"]) is not None
     )
 
 
-def _unproven_change(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
+def _unproven_change(asked: Request, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
     """Return a refusal of what would change something, comes from a browser, and does not say from where."""
-    if asked.method in _READING or asked.all(b"origin") or asked.all(b"sec-fetch-site"):
+    if asked.method in _READING or _all(asked, "origin") or _all(asked, "sec-fetch-site"):
         return None
-    referers = asked.all(b"referer")
+    referers = _all(asked, "referer")
     if any(not hosts.is_origin(_origin_of(referer), host) for referer in referers):
         return _foreign(_ANOTHER_PAGE)
-    told = any(name == b"cookie" or name.startswith(b"sec-fetch-") for name, _ in asked.headers)
+    told = any(name == "cookie" or name.startswith("sec-fetch-") for name in asked.headers)
     return _foreign(message("refused.unsaid_page")) if told and not referers else None
 
 
@@ -207,10 +189,10 @@ class SecurityMiddleware:
             await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
 
     async def _request(self, scope: Scope, receive: Receive, send: Send) -> None:
-        asked = RequestOrigin(scope["method"], scope["path"], scope["headers"])
+        asked = Request(scope)
         if scope.get("client"):
             peer, port = scope["client"]
-            scope["client"] = (self._proxies.who_asks(peer, asked.all(b"x-forwarded-for")), port)
+            scope["client"] = (self._proxies.who_asks(peer, _all(asked, "x-forwarded-for")), port)
         verdict = judge(asked, self._hosts)
         if isinstance(verdict, Refusal):
             # Without the headers: the address of a problem must not be made of a Host that is none.
@@ -220,7 +202,7 @@ class SecurityMiddleware:
             answer = problem_response(request, verdict.status, verdict.sentence, headers, code=code)
             await answer(scope, receive, _closing(receive, send))
         else:
-            scope["scheme"] = verdict.scheme  # in place: who watches from outside learns of the route in it
+            scope["scheme"] = verdict  # in place: who watches from outside learns of the route in it
             await self._app(scope, receive, send)
 
 
