@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import Artefact, BallbarKit, Cell, Closing, judged_papers
-from truepose.domain.session import IdentityTaken, SessionPlan, SessionState
+from truepose.domain.session import IdentityTaken, Registration, SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, Text, message
@@ -68,42 +68,62 @@ async def session_conditions(here: Context, origin: Origin, words: Catalogue) ->
     """Return the conditions that a session recorded."""
     from truepose.reports.traceability import Period, ReportConditions
 
-    number, setup = origin.record.id, await here.sessions.setup(origin.record.id)
+    number, by_bar = origin.record.id, here.session_desk.kind_of(origin.record).by_calibrator
+    setup, states = await here.sessions.setup(number), await here.sessions.states(number)
     cell = setup.cell
-    registration = await here.sessions.registration(number)
-    states, identities = await here.sessions.states(number), await here.sessions.identities(number)
     stated = ReportConditions(
         simulated=setup.simulated,
-        instruments=tuple(_instruments(here, setup, identities)),
-        artefacts=tuple(_artefacts(cell, by_bar=_is_by_calibrator(here, origin))),
+        instruments=tuple(_instruments(here, setup, await here.sessions.identities(number))),
+        artefacts=tuple(_artefacts(cell, by_bar=by_bar)),
         robot_serial_number=cell.robot_serial_number,
         person=", ".join(_people(states)),
         written_at=moment(datetime.now(UTC).isoformat()),
         load=cell.conditions.load,
         warm_up=cell.conditions.warm_up,
-        temperature_c=await _temperatures(here, number),
+        temperature_c=_span(point.temperature_c for point in await here.readings.points(number)),
         part_temperature_c=cell.conditions.part_temperature_c,
         sessions=(Period(origin.record.name, _began(states), moment(origin.record.state_since)),),
-        two_face_mm=None if registration is None else registration.two_face_mm,
-        registration_rms_mm=None if registration is None else registration.rms_mm,
-        scale=None if registration is None else registration.scale,
-        scale_standard_uncertainty=None if registration is None else registration.scale_standard_uncertainty,
         notes=tuple(map(words.spoken, await here.sessions.notes(number))),
+        **_registered(await here.sessions.registration(number)),
     )
-    return await _with_plan(here, origin, replace(stated, **await _lengths(here, origin, stated)), words)
+    if by_bar:
+        return replace(stated, **await _by_bar(here, number, cell))
+    lengths = tuple(_between_nests(cell, stated.temperature_c))
+    return replace(stated, lengths=lengths, **await _by_points(here, number, words))
 
 
-def _is_by_calibrator(here: Context, origin: Origin) -> bool:
-    return here.session_desk.kind_of(origin.record).by_calibrator
+def _registered(found: Registration | None) -> dict[str, Any]:
+    """Return what the tracker's place in the world rests on."""
+    if found is None:
+        return {}
+    return {
+        "two_face_mm": found.two_face_mm,
+        "registration_rms_mm": found.rms_mm,
+        "scale": found.scale,
+        "scale_standard_uncertainty": found.scale_standard_uncertainty,
+    }
 
 
-async def _lengths(here: Context, origin: Origin, stated: "ReportConditions") -> dict[str, Any]:
-    """Return what certified lengths the session rests on, and at which temperatures they were used."""
-    cell = (await here.sessions.setup(origin.record.id)).cell
-    if not _is_by_calibrator(here, origin):
-        return {"lengths": tuple(_between_nests(cell, stated.temperature_c))}
-    at_bar = await _temperatures_at_bar(here, origin.record.id)
-    return {"instrument_temperature_c": at_bar, "lengths": tuple(_calibrators(cell, at_bar))}
+async def _by_bar(here: Context, number: int, cell: Cell) -> dict[str, Any]:
+    """Return how a session with the ballbar measured, and the certified lengths that it rests on."""
+    lines = await here.session_desk.ledger.whole(number)
+    warmth = _span(line.entry.length.temperature_c for line in lines if line.entry.length is not None)
+    plan = await here.sessions.ballbar_plan(number)
+    return {
+        **_speeds(plan),
+        "instrument_temperature_c": warmth,
+        "lengths": tuple(_calibrators(cell, warmth)),
+    }
+
+
+async def _by_points(here: Context, number: int, words: Catalogue) -> dict[str, Any]:
+    """Return how a session with a tracker or a camera measured."""
+    plan = await here.sessions.plan(number)
+    return {
+        **_speeds(plan),
+        "approach": _approach(plan.approach_offset_rad, words),
+        "measure_s": plan.measure_s,
+    }
 
 
 def _between_nests(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[LengthOfDay]":
@@ -122,17 +142,6 @@ def _calibrators(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[Le
     for bars in dict.fromkeys((kit.tool_bars, kit.base_bars)):
         of = message("lengths.calibrator", name=kit.calibrator.name, nominal_mm=bars.nominal_mm)
         yield LengthOfDay(of, bars.calibrator_mm, bars.calibrator_u_mm, bars.expansion_per_k, warmth)
-
-
-async def _with_plan(
-    here: Context, origin: Origin, stated: "ReportConditions", words: Catalogue
-) -> "ReportConditions":
-    if _is_by_calibrator(here, origin):
-        by_bar = await here.sessions.ballbar_plan(origin.record.id)
-        return replace(stated, **_speeds(by_bar))
-    plan = await here.sessions.plan(origin.record.id)
-    approach = _approach(plan.approach_offset_rad, words)
-    return replace(stated, approach=approach, measure_s=plan.measure_s, **_speeds(plan))
 
 
 def _speeds(plan: SessionPlan | BallbarPlan) -> dict[str, Any]:
@@ -186,16 +195,9 @@ def _approach(offset_rad: float | None, words: Catalogue) -> str:
     return words.say("conditions.approach.from", offset_deg=float(np.degrees(offset_rad)))
 
 
-async def _temperatures(here: Context, session_id: int) -> tuple[float, float] | None:
-    taken = [point.temperature_c for point in await here.readings.points(session_id)]
-    known = [celsius for celsius in taken if np.isfinite(celsius)]
-    return (min(known), max(known)) if known else None
-
-
-async def _temperatures_at_bar(here: Context, session_id: int) -> tuple[float, float] | None:
-    lines = await here.session_desk.ledger.whole(session_id)
-    taken = [line.entry.length.temperature_c for line in lines if line.entry.length is not None]
-    known = [celsius for celsius in taken if np.isfinite(celsius)]
+def _span(celsius: Iterable[float]) -> tuple[float, float] | None:
+    """Return the lowest and the highest of temperatures; None where none was recorded."""
+    known = [one for one in celsius if np.isfinite(one)]
     return (min(known), max(known)) if known else None
 
 
