@@ -11,10 +11,11 @@ import asyncio
 import contextlib
 import difflib
 import hashlib
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping, Sequence
+from http import HTTPStatus
 from typing import Annotated, Any, Final, TypeVar
 
-from fastapi import APIRouter, Depends, Header, Path, Query, Request, Response, params
+from fastapi import APIRouter, Depends, Header, HTTPException, Path, Query, Request, Response, params
 from fastapi.dependencies.utils import get_flat_params
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
@@ -337,6 +338,17 @@ ACT: Final = problems(404, 409, 422, 503)
 CHANGE: Final = problems(400, 404, 409, 413, 415, 422, 503)
 LIST: Final = listing(422, 503)
 LIST_OF_RECORD: Final = listing(404, 422, 503)
+
+
+@contextlib.asynccontextmanager
+async def receiving(within_s: float, what: str, lost: str) -> AsyncIterator[None]:
+    """Answer with 408 where a body takes longer; `lost` says what became of what came so far."""
+    try:
+        async with asyncio.timeout(within_s):
+            yield
+    except TimeoutError as error:
+        sentence = f"The {what} did not arrive within {within_s:.0f} s; {lost}, send it again."
+        raise HTTPException(HTTPStatus.REQUEST_TIMEOUT, sentence) from error
 
 
 async def while_present(request: Request, work: Coroutine[Any, Any, T]) -> T:

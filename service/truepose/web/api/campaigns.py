@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, Final, TypeAlias, TypeVar
 
-from fastapi import HTTPException, Query, Response, status
+from fastapi import Query, Response, status
 from fastapi import Request as HttpRequest
 from fastapi.exceptions import RequestValidationError
 from pydantic import Field, TypeAdapter, ValidationError
@@ -15,6 +15,7 @@ from starlette.datastructures import FormData, UploadFile
 from truepose.analysis.campaigns.records import NOTHING, UploadDetails
 from truepose.storage.records import CampaignRecord
 from truepose.web.context import Context, Here
+from truepose.web.middleware.limits import sent_type
 from truepose.web.resources import (
     CHANGE,
     LIST,
@@ -24,6 +25,7 @@ from truepose.web.resources import (
     OptionalKey,
     Paged,
     problems,
+    receiving,
     request_key,
     resource,
     sending,
@@ -180,7 +182,7 @@ async def upload_campaign(
     already (503), and where the connection ends before the answer, nothing is stored. Of two sessions the
     second one judges what the first identifies.
     """
-    if _media_type(request) == "application/json":
+    if sent_type(request) == "application/json":
         number = await _of_sessions(here, request, key)
         response.headers["Location"] = f"/api/v1/campaigns/{number}"
         return campaign_reply(await here.campaigns.get(number))
@@ -229,14 +231,8 @@ async def _stored(
     here: Context, request: HttpRequest, name: str | None, stated: UploadDetails, key: str | None
 ) -> int:
     """Receive an archive and store it, unless the client goes away meanwhile."""
-    try:
-        async with asyncio.timeout(_RECEIVING_S):
-            sent = await _received(request)
-    except TimeoutError as error:
-        raise HTTPException(
-            status.HTTP_408_REQUEST_TIMEOUT,
-            f"The archive did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
-        ) from error
+    async with receiving(_RECEIVING_S, "archive", "nothing was stored"):
+        sent = await _received(request)
     stored_as = name or PurePath(sent.file_name).stem or "campaign"
     told = stated.before(sent.stated)
     said = sent.archive + "".join(told.said.values()).encode()
@@ -266,13 +262,9 @@ def _no_json(error: ValueError | RecursionError) -> dict[str, Any]:
     return {"type": "json_invalid", "loc": ("body", where), "msg": "", "ctx": {"error": str(error)}}
 
 
-def _media_type(request: HttpRequest) -> str:
-    return request.headers.get("content-type", "").split(";")[0].strip().lower()
-
-
 async def _received(request: HttpRequest) -> _Upload:
     """Return what was sent; raises RequestValidationError where there is no archive."""
-    if _media_type(request) != "multipart/form-data":
+    if sent_type(request) != "multipart/form-data":
         upload = _Upload(await request.body(), "")
     else:
         upload = await _in_form(request)

@@ -1,6 +1,5 @@
 """Corrections: a file of targets in, the same with corrected numbers out."""
 
-import asyncio
 import hashlib
 import math
 from dataclasses import dataclass, replace
@@ -8,7 +7,7 @@ from pathlib import PureWindowsPath
 from typing import Annotated, Any, Final, Literal, get_args
 from urllib.parse import quote
 
-from fastapi import HTTPException, Query, Request, Response, status
+from fastapi import Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
 from pydantic import Field
 from starlette.datastructures import UploadFile
@@ -36,6 +35,7 @@ from truepose.web.resources import (
     Paged,
     Sender,
     problems,
+    receiving,
     request_key,
     resource,
     sending,
@@ -316,19 +316,16 @@ def corrected_name(name: str) -> str:
 
 async def _received(request: Request) -> _SentFiles:
     """Return the files of a form; raises RequestValidationError where there is none."""
-    try:
-        async with asyncio.timeout(_RECEIVING_S), request.form(max_files=_MOST_FILES) as form:
-            sent = form.get("file")
-            if not isinstance(sent, UploadFile) or not sent.filename:
-                raise RequestValidationError([_NO_FILE])
-            beside = [one for one in form.getlist("beside") if isinstance(one, UploadFile) and one.filename]
-            name, data = await _read(sent)
-            return _SentFiles(name, data, await _all(beside, name))
-    except TimeoutError as error:
-        raise HTTPException(
-            status.HTTP_408_REQUEST_TIMEOUT,
-            f"The file did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
-        ) from error
+    async with (
+        receiving(_RECEIVING_S, "file", "nothing was stored"),
+        request.form(max_files=_MOST_FILES) as form,
+    ):
+        sent = form.get("file")
+        if not isinstance(sent, UploadFile) or not sent.filename:
+            raise RequestValidationError([_NO_FILE])
+        beside = [one for one in form.getlist("beside") if isinstance(one, UploadFile) and one.filename]
+        name, data = await _read(sent)
+        return _SentFiles(name, data, await _all(beside, name))
 
 
 async def _all(files: list[UploadFile], name: str) -> dict[str, bytes]:

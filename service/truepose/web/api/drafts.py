@@ -1,16 +1,15 @@
 """Drafts: files that somebody imports and says more of, until a campaign is made of them."""
 
-import asyncio
 from typing import Annotated, Any, Final, Literal
 
-from fastapi import HTTPException, Query, Response, status
+from fastapi import Query, Response, status
 from fastapi import Request as HttpRequest
 from pydantic import Field, JsonValue
 
 from truepose.exchange.import_wizard.dialogue import Asked, Kind
 from truepose.exchange.results.document import FieldSource, Quantity, Spoken
 from truepose.web.context import Here
-from truepose.web.resources import CHANGE, LIST, READ, Counted, Id, problems, resource
+from truepose.web.resources import CHANGE, LIST, READ, Counted, Id, problems, receiving, resource
 from truepose.web.schemas import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -356,14 +355,8 @@ async def add_draft_file(here: Here, request: HttpRequest, id: Id, name: NameOfF
 
     One of the same name is replaced. Where the connection ends before the answer, nothing is kept of it.
     """
-    try:
-        async with asyncio.timeout(_RECEIVING_S):
-            return DraftReply.of(await here.draft_desk.receive(id, name, request.stream()))
-    except TimeoutError as error:
-        raise HTTPException(
-            status.HTTP_408_REQUEST_TIMEOUT,
-            f"The file did not arrive within {_RECEIVING_S:.0f} s; nothing of it was kept, send it again.",
-        ) from error
+    async with receiving(_RECEIVING_S, "file", "nothing of it was kept"):
+        return DraftReply.of(await here.draft_desk.receive(id, name, request.stream()))
 
 
 @router.delete("/{id}/files", responses=READ)

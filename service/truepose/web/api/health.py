@@ -1,7 +1,7 @@
 """Health and figures, outside the versioned API: for whatever watches the service, and for people."""
 
 from http import HTTPStatus
-from typing import Any, Literal
+from typing import Literal
 
 from fastapi import Request, Response
 from fastapi.responses import PlainTextResponse
@@ -15,8 +15,8 @@ from truepose.storage.engine.sqlite_connections import VERSION as SQLITE_VERSION
 from truepose.web.api.health_checks import Check, Verdict, checks, worst
 from truepose.web.context import Context, Here
 from truepose.web.middleware.metrics import MEDIA_TYPE
-from truepose.web.pages.rendering import Visit, Visited
-from truepose.web.problems import problem_response
+from truepose.web.pages.rendering import Visited
+from truepose.web.problems import problem_response, wants_a_page
 from truepose.web.resources import outside_the_api, problems
 from truepose.web.schemas import Reply
 
@@ -83,25 +83,21 @@ async def get_health(visit: Visited) -> Health | Response:
     state = await visit.here.lookout.state()
     found = checks(state)
     status = HTTPStatus.OK if state.records.readable else HTTPStatus.SERVICE_UNAVAILABLE
-    if _wants_a_page(visit):
+    if wants_a_page(visit.request):
         shown = found if visit.may("get_cell") else []
         return visit.page("health.html", status, checks=shown, worst=worst(found))
     if status is not HTTPStatus.OK:
         return problem_response(visit.request, status, " ".join(_wrong(found)), code=code_named("NotReady"))
     told = _reply(visit.here, found)
-    return told if visit.may("get_cell") else told.model_copy(update=_to_strangers(told))
+    return told if visit.may("get_cell") else _for_strangers(told)
 
 
-def _to_strangers(told: Health) -> dict[str, Any]:
-    return {"checks": [], "fault": None if told.fault is None else _SIGN_IN}
+def _for_strangers(told: Health) -> Health:
+    return told.model_copy(update={"checks": [], "fault": None if told.fault is None else _SIGN_IN})
 
 
 def _wrong(found: list[Check]) -> list[str]:
     return [english(check.sentence) for check in found if check.verdict == "bad"]
-
-
-def _wants_a_page(visit: Visit) -> bool:
-    return _HTML in visit.request.headers.get("accept", "")
 
 
 def _reply(here: Context, found: list[Check]) -> Health:

@@ -1,6 +1,6 @@
 """Jobs: what a worker process was asked and how far it is; watch and cancel."""
 
-from typing import Any, Final
+from typing import Final
 
 from fastapi import Response
 from pydantic import Field
@@ -10,18 +10,9 @@ from truepose.messages.message import message, together
 from truepose.storage.records import JobKind, JobRecord, JobState
 from truepose.web.context import Context, Here
 from truepose.web.middleware.language import Said, in_words
+from truepose.web.pages.records import MAKES, address_of
 from truepose.web.resources import ACT, LIST, READ, RESPOND_ASYNC, Id, Paged, resource
 from truepose.web.schemas import RecordedAt, RecordId, Reply, example
-
-_RESULTS = {
-    JobKind.IDENTIFICATION: "identifications",
-    JobKind.VALIDATION: "validations",
-    JobKind.DIAGNOSIS: "diagnoses",
-    JobKind.PLAN: "sessions",
-    JobKind.BALLBAR_PLAN: "sessions",
-    JobKind.CONTACT_PLAN: "sessions",
-    JobKind.CORRECTION: "corrections",
-}
 
 _WAITS: Final = message("job.kept_in_memory")
 
@@ -109,10 +100,10 @@ class JobReply(Reply):
 
 def job_reply(record: JobRecord, foreseen: JobForecast | None = None) -> JobReply:
     """Return a job as it travels, with what is foreseen of one under way."""
-    made = record.result_id
+    made, _ = MAKES[record.kind]
     reply = JobReply.of(
         record,
-        result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}",
+        result_url=None if record.result_id is None else f"/api/v1{address_of(made, record.result_id)}",
         code_url=None if record.code is None else f"/errors/{record.code}",
     )
     if foreseen is None or record.state.final:
@@ -145,14 +136,6 @@ async def cancel_job(here: Here, id: Id) -> JobReply:
     """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
     await here.job_desk.cancel(id)
     return _shown(here, await here.jobs.get(id))
-
-
-def planned_or_queued(session: type[Reply], job: str) -> dict[int | str, dict[str, Any]]:
-    """Return what a route lists under `responses` that plans a session, at once or by a job."""
-    return {
-        201: {"model": session, "description": "The session is planned; nothing has moved."},
-        202: {"model": JobReply, "description": job},
-    }
 
 
 async def queued_job(here: Context, number: int, response: Response, *, preferred: bool = False) -> JobReply:

@@ -42,12 +42,8 @@ def accepted(request: HTTPConnection) -> list[str]:
 
 def wanted_units(request: HTTPConnection) -> Units:
     """Return the units that a visitor wants: of what the address does not name, those asked for before."""
-    kept, asked = (_tokens(where.get("units", "")) for where in (request.cookies, request.query_params))
+    kept, asked = (where.get("units", "").split("-") for where in (request.cookies, request.query_params))
     return Units.of([*kept, *asked])
-
-
-def _tokens(told: str) -> list[str]:
-    return told.split("-")
 
 
 def preferred_languages(accepted: str) -> list[str]:

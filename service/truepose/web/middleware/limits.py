@@ -85,7 +85,7 @@ class RequestLimits:
         elif _declared_length(request) > limit:
             await problem_response(request, 413, _too_large(limit))(scope, receive, send)
         else:
-            await self._watched(request, receive, send, _Body(limit, _sent_type(request) == _JSON))
+            await self._watched(request, receive, send, _Body(limit, sent_type(request) == _JSON))
 
     async def _watched(self, request: Request, receive: Receive, send: Send, body: "_Body") -> None:
         """Pass the request on and stop it where its body shows that it is refused."""
@@ -143,7 +143,7 @@ def _limit_bytes(request: Request) -> int:
 def is_upload(request: Request) -> bool:
     """Return whether a request brings a file, not JSON as all others do."""
     here = _understood(request) != (_JSON,)
-    return request.method == "POST" and here and _sent_type(request) != _JSON
+    return request.method == "POST" and here and sent_type(request) != _JSON
 
 
 def _understood(request: Request) -> tuple[str, ...]:
@@ -152,7 +152,8 @@ def _understood(request: Request) -> tuple[str, ...]:
     return next((types for places, types in _UPLOADS.items() if places.fullmatch(path)), (_JSON,))
 
 
-def _sent_type(request: Request) -> str:
+def sent_type(request: Request) -> str:
+    """Return the type of the body that a request says it has, without its parameters."""
     return request.headers.get("content-type", "").split(";")[0].strip().lower()
 
 
@@ -166,7 +167,7 @@ def _too_large(limit: int) -> Message:
 
 
 def _refused_type(request: Request) -> Message | None:
-    sent = _sent_type(request)
+    sent = sent_type(request)
     has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
     understood = _understood(request)
     # A page of anybody can send a form without asking first, an empty one too.

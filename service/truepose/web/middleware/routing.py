@@ -21,7 +21,7 @@ class RouteTable(Generic[T]):
         self._at: dict[str, list[T]] = {}
         for path, thing in things:
             word = _first_word(path)
-            if _is_open(word):
+            if "{" in word:
                 self._anywhere.append(thing)
                 for found in self._at.values():
                     found.append(thing)
@@ -37,10 +37,6 @@ def _first_word(path: str) -> str:
     """Return what tells one resource, or one page, from the others."""
     begin = len(_API) if path.startswith(_API) else 1
     return path[: begin + len(path[begin:].partition("/")[0])]
-
-
-def _is_open(word: str) -> bool:
-    return "{" in word
 
 
 class Routing:

@@ -69,7 +69,9 @@ def next_action(progress: CellProgress) -> NextAction:
     if progress.devices and not progress.connected:
         asks = tuple(Ask(f"/api/v1/devices/{name}/connect") for name in progress.devices)
         return NextAction(message("step.connect.why"), "step.connect", asks=asks)
-    return _start(session) if session is not None and waits else _plan()
+    if session is not None and waits:
+        return _start(session)
+    return NextAction(message("step.plan.why"), "step.plan", "/plan")
 
 
 def action_after(lineage: Lineage) -> NextAction | None:
@@ -108,10 +110,6 @@ def _go_to(session: WorkItem) -> NextAction:
 
 def _start(session: WorkItem) -> NextAction:
     return NextAction(message("step.start.why", name=session.name), "step.start", f"/sessions/{session.id}")
-
-
-def _plan() -> NextAction:
-    return NextAction(message("step.plan.why"), "step.plan", "/plan")
 
 
 def _of_proof(proof: WorkItem) -> NextAction | None:

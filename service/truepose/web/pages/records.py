@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.errors import NotFoundError
-from truepose.storage.records import JobState
+from truepose.storage.records import JobKind, JobState
 from truepose.storage.results.items import WorkItem, WorkKind
 from truepose.web.pages.next_action import NextAction, action_after
 from truepose.web.pages.rendering import Visit, moment
@@ -56,6 +56,15 @@ _STATES: Final[Mapping[WorkKind, Mapping[str, tuple[str, str]]]] = {
         JobState.CANCELLED: ("idle", "job.cancelled"),
         JobState.INTERRUPTED: ("warn", "job.interrupted"),
     },
+}
+MAKES: Final = {  # what a job makes, and the key of its own title
+    JobKind.IDENTIFICATION: (WorkKind.IDENTIFICATION, "job.identification"),
+    JobKind.VALIDATION: (WorkKind.VALIDATION, "job.validation"),
+    JobKind.DIAGNOSIS: (WorkKind.DIAGNOSIS, "job.diagnosis"),
+    JobKind.PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.BALLBAR_PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.CONTACT_PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.CORRECTION: (WorkKind.CORRECTION, "job.correction"),
 }
 _REFUSED: Final = ("bad", "work.refused")  # an identification that came to no model
 

@@ -99,7 +99,8 @@ async def report_of(
 ) -> ReportRecord:
     """Return the report of a result as it is now, made anew where it would state something else."""
     subject, drawable = ReportSubject(kind.name, number), await kind.drawable(here, number, choice, words)
-    stated = await _stated(drawable)
+    # The language is no part of what is stated: a page in another one is the same revision (decision 0056).
+    stated = _hash(drawable.result, await drawable.conditions(IN_ENGLISH))
     # Drawing takes seconds: two reports that stated something else and were drawn together were kept under
     # one number, one in the other's place. Whoever comes second draws again, with the next (commit 1f5fcfa3).
     while True:
@@ -107,7 +108,8 @@ async def report_of(
         made = await _made(here, subject, revision, words)
         if made is not None:
             return made
-        page = await _drawn(here, drawable, _numbered(kind, number, revision, words), words)
+        title = words.say("front.number", kind=words.say(kind.title), number=number, revision=revision)
+        page = await _drawn(here, drawable, title, words)
         if await here.reports.keep(ReportRecord("", subject, revision, words.tag, stated, page)):
             return await here.reports.get(subject, revision, words.tag)
 
@@ -143,21 +145,12 @@ async def _made(
     return found if found.language == words.tag else None
 
 
-async def _stated(drawable: Drawable) -> str:
-    """Return a hash of all that a report states, but for the moment when it is made."""
-    # The language is no part of what is stated: a page in another one is the same revision (decision 0056).
-    return _hash(drawable.result, await drawable.conditions(IN_ENGLISH))
-
-
 def _hash(result: object, conditions: "ReportConditions") -> str:
+    """Return a hash of all that a report states, but for the moment when it is made."""
     # The moment would make every report a new revision, and so would the head of the chain, which is not
     # there yet.
     stated = repr((result, replace(conditions, written_at="")))
     return hashlib.sha256(stated.encode()).hexdigest()
-
-
-def _numbered(kind: ReportKind, number: int, revision: int, words: Catalogue) -> str:
-    return words.say("front.number", kind=words.say(kind.title), number=number, revision=revision)
 
 
 async def _drawn(here: Context, drawable: Drawable, number: str, words: Catalogue) -> str:

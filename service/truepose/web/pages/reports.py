@@ -120,12 +120,8 @@ async def _record(visit: Visit, kind: str, id: str, choice: Choice, revision: in
     if number is None or found is None:
         raise NotFoundError("report", number or 0)
     if revision is not None:
-        return await _older(visit.here, ReportSubject(kind, number), revision, visit.words)
+        return await visit.here.reports.get(ReportSubject(kind, number), revision, visit.words.tag)
     return await report_of(visit.here, found, number, choice, visit.words)
-
-
-async def _older(here: Context, subject: ReportSubject, revision: int, words: Catalogue) -> ReportRecord:
-    return await here.reports.get(subject, revision, words.tag)
 
 
 def _refused(visit: Visit, error: TrueposeError) -> HTMLResponse:

@@ -35,9 +35,14 @@ class Origin:
 class Choice:
     """What whoever reads a result may choose."""
 
-    model_id: int | None = None  # which judges; None: the one that was to be proved, else the newest
-    limit_mm: float | None = None
-    rule: DecisionRule = "guard band"
+    model_id: Annotated[
+        int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which judges; by default the newest one.")
+    ] = None  # that is the one that was to be proved, where there is one
+    limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest error that passes.")] = None
+    rule: Annotated[DecisionRule, Query(description="How a limit counts the uncertainty.")] = "guard band"
+
+
+Chosen = Annotated[Choice, Depends()]
 
 
 Made: TypeAlias = "Callable[[Context, Origin, Choice, Catalogue], Awaitable[Report]]"
@@ -77,19 +82,6 @@ class ResultKind:
     judges: bool = False  # a model that the reader may choose
     limited: bool = False  # held against a limit that the reader may set
     form: Callable[[Context], Form] | None = field(default=None)  # None: planned elsewhere
-
-
-async def _choice(
-    model_id: Annotated[
-        int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which judges; by default the newest one.")
-    ] = None,
-    limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest error that passes.")] = None,
-    rule: Annotated[DecisionRule, Query(description="How a limit counts the uncertainty.")] = "guard band",
-) -> Choice:
-    return Choice(model_id, limit_mm, rule)
-
-
-Chosen = Annotated[Choice, Depends(_choice)]
 
 
 async def origins_of(here: Context, records: Sequence[SessionRecord]) -> list[Origin]:

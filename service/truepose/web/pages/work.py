@@ -9,9 +9,9 @@ from truepose.effects.registry import EFFECTS
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.error_codes import explain
 from truepose.storage.plant.deployments import HandedDownRepository
-from truepose.storage.records import JobKind, JobRecord
+from truepose.storage.records import JobRecord
 from truepose.storage.results.items import WorkKind
-from truepose.web.pages.records import address_of, link_to, missing, record_at, state_look, title_of
+from truepose.web.pages.records import MAKES, address_of, link_to, missing, record_at, state_look, title_of
 from truepose.web.pages.rendering import Visit, Visited
 
 router = APIRouter(include_in_schema=False)
@@ -84,17 +84,6 @@ def _texts(asked: str, words: Catalogue) -> tuple[str, ...]:
     return asked, *(name for name in EFFECTS if called in words.effect(name).casefold())
 
 
-_MAKES = {
-    JobKind.IDENTIFICATION: (WorkKind.IDENTIFICATION, "job.identification"),
-    JobKind.VALIDATION: (WorkKind.VALIDATION, "job.validation"),
-    JobKind.DIAGNOSIS: (WorkKind.DIAGNOSIS, "job.diagnosis"),
-    JobKind.PLAN: (WorkKind.SESSION, "job.plan"),
-    JobKind.BALLBAR_PLAN: (WorkKind.SESSION, "job.plan"),
-    JobKind.CONTACT_PLAN: (WorkKind.SESSION, "job.plan"),
-    JobKind.CORRECTION: (WorkKind.CORRECTION, "job.correction"),
-}
-
-
 @router.get("/jobs/{id}", response_class=HTMLResponse)
 async def job_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a job; the page follows it and goes to what it made."""
@@ -103,7 +92,7 @@ async def job_page(visit: Visited, id: str) -> HTMLResponse:
 
 
 def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
-    made, title = _MAKES[record.kind]
+    made, title = MAKES[record.kind]
     look, state = state_look(WorkKind.JOB, record.state)
     sources = [(WorkKind.CAMPAIGN, "campaign_id"), (WorkKind.MODEL, "model_id")]
     asked = [(kind, record.request.get(key)) for kind, key in sources]

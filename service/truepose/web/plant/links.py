@@ -17,28 +17,13 @@ from truepose.plant.calibration_due import (
 from truepose.storage.caches import FleetComparison
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
-from truepose.storage.plant.queries import ResultKind, ResultRecord
+from truepose.storage.plant.queries import ResultRecord
 from truepose.storage.plant.records import VisitRecord
+from truepose.storage.results.items import WorkKind
+from truepose.web.pages.records import address_of
 from truepose.web.plant.context import PlantContext
 
-_PAGES: Final = {
-    "campaign": "campaigns",
-    "identification": "identifications",
-    "diagnosis": "diagnoses",
-    "validation": "validations",
-    "model": "models",
-    "correction": "corrections",
-}
-_TITLES: Final[Mapping[ResultKind, str]] = {
-    "campaign": "work.campaign",
-    "identification": "work.identification",
-    "diagnosis": "work.diagnosis",
-    "validation": "work.validation",
-    "model": "work.model",
-    "correction": "work.correction",
-    "report": "plant.report",
-    "closing": "plant.closing",
-}
+_TITLES: Final = {"report": "plant.report", "closing": "plant.closing"}  # of what no cell has a page of
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,9 +54,9 @@ class Places:
     def of(self, seen: ResultRecord | ResultFacts) -> str:
         """Return where a cell shows a result; on another chain its number may be that of another record."""
         known = seen.cell in self.urls and self.branches.get(seen.cell) == seen.branch_id
-        if not known or seen.kind not in _PAGES:
+        if not known or seen.kind in _TITLES:
             return ""
-        return f"{self.urls[seen.cell]}/{_PAGES[seen.kind]}/{seen.record_id}"
+        return self.urls[seen.cell] + address_of(WorkKind(seen.kind), seen.record_id)
 
 
 async def places_of(here: PlantContext) -> Places:
@@ -81,7 +66,9 @@ async def places_of(here: PlantContext) -> Places:
 
 def result_links(results: Iterable[ResultRecord], places: Places) -> list[ResultLink]:
     """Return results with their titles and places."""
-    return [ResultLink(seen, _TITLES[seen.kind], places.of(seen)) for seen in results]
+    return [
+        ResultLink(seen, _TITLES.get(seen.kind, f"work.{seen.kind}"), places.of(seen)) for seen in results
+    ]
 
 
 def cell_links(here: PlantContext, visits: Mapping[str, VisitRecord | None]) -> list[CellLink]:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any, Final
 
 from fastapi import Response, status
 
@@ -21,7 +22,7 @@ from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord
 from truepose.web.api.authority import require_authority
-from truepose.web.api.jobs import JobReply, planned_or_queued, queued_job
+from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.api.sessions.added_stops import (
     AdditionReply,
     AdditionRequest,
@@ -56,16 +57,20 @@ from truepose.web.resources import (
 )
 
 router = resource("/sessions", tags=["sessions"])
+_PLANNED: Final[dict[int | str, dict[str, Any]]] = {
+    201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
+    202: {
+        "model": JobReply,
+        "description": "A worker chooses the configurations; the job's result is the session.",
+    },
+}
 
 
 @router.post(
     "",
     status_code=status.HTTP_201_CREATED,
     response_model=SessionDetailReply | JobReply,
-    responses=planned_or_queued(
-        SessionDetailReply, "A worker chooses the configurations; the job's result is the session."
-    )
-    | CHANGE,
+    responses=_PLANNED | CHANGE,
 )
 async def plan_session(
     here: Here, wanted: AnySessionRequest, response: Response, planning: PlanningRequest
