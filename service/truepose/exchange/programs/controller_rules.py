@@ -33,9 +33,10 @@ in Turn.
 """
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
@@ -57,13 +58,14 @@ class TargetContext:
     before_rad: FloatArray | None = None  # (J,) from which joints it moves there
 
 
-class Rule(Protocol):
-    """The rule of a language."""
+class Rule(ABC):
+    """The rule of a language; what its words do not tell is as here."""
 
+    @abstractmethod
     def posture(self, words: str) -> str:
         """Return what the words of a target say of its branch; targets of one branch say the same."""
-        ...
 
+    @abstractmethod
     def taken(
         self, answers: FloatArray, known: TargetContext, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
@@ -71,19 +73,24 @@ class Rule(Protocol):
 
         None where it has none, NaN where the branch does not exist.
         """
-        ...
 
     def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
-        """Return the numbers that count turns, for joints that are sent instead of the controller's own."""
-        ...
+        """Return the numbers that count turns, for joints that are sent instead of the controller's own.
+
+        As they are, where none counts any or they stay right.
+        """
+        return known.turns
 
     def counts_turns(self, words: str) -> bool:
         """Whether the words of a target say that a joint stands beyond half a turn, but not which."""
-        ...
+        return False
 
     def moves_external(self, external: Sequence[float]) -> bool:
-        """Whether what a target says of external axes says that there are some."""
-        ...
+        """Whether what a target says of external axes says that there are some.
+
+        Where only those that are there are written, it does.
+        """
+        return bool(external)
 
 
 def limit_of(limits: Sequence[JointRange] | None, joint: int) -> JointRange | None:
@@ -99,7 +106,7 @@ def within(joints_rad: FloatArray, limits: Sequence[JointRange] | None) -> Float
     return np.asarray(turned[0])
 
 
-class Nearest:
+class Nearest(Rule):
     """The rule of these controllers."""
 
     def posture(self, words: str) -> str:
@@ -127,24 +134,12 @@ class Nearest:
         stated = known.branch if known.near_rad is None else ANY_BRANCH
         return turned[first] if first == second and stated in (ANY_BRANCH, there[first]) else None
 
-    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
-        """Return nothing: no number counts turns."""
-        return known.turns
-
-    def counts_turns(self, words: str) -> bool:
-        """Whether turns are counted of a joint that is not known: of no one."""
-        return False
-
-    def moves_external(self, external: Sequence[float]) -> bool:
-        """Whether the target names external axes."""
-        return bool(external)
-
 
 _WHOLE: Final = re.compile(r"[-+]?[0-9]+")
 _OF_RCONF: Final = 3  # wrist, elbow, side; behind them turns
 
 
-class StatedBranch:
+class StatedBranch(Rule):
     """The rule of these controllers."""
 
     def posture(self, words: str) -> str:
@@ -158,18 +153,10 @@ class StatedBranch:
         """Return the answer of the branch."""
         return within(answers[known.branch], limits)
 
-    def turned(self, known: TargetContext, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
-        """Return the numbers as they are."""
-        return known.turns
-
     def counts_turns(self, words: str) -> bool:
         """Whether a number that counts turns is not 0."""
         named, numbers = _parts(words)
         return any(number.strip("+-0") for number in (numbers if named else numbers[_OF_RCONF:]))
-
-    def moves_external(self, external: Sequence[float]) -> bool:
-        """Whether the target names external axes: only those that are there are written."""
-        return bool(external)
 
 
 def _parts(words: str) -> tuple[list[str], list[str]]:
@@ -188,7 +175,7 @@ _NOT_THERE: Final = 9e8  # an external axis that is not connected is 9E9
 _N_EXTERNAL: Final = 6
 
 
-class Confdata:
+class Confdata(Rule):
     """The rule of controllers that read RAPID."""
 
     def posture(self, words: str) -> str:
@@ -211,10 +198,6 @@ class Confdata:
         if _in_quadrants(own_rad, known.turns) is None:
             return known.turns
         return tuple(_quadrant(sent_rad[axis]) for axis, _ in zip(_AXES, known.turns, strict=False))
-
-    def counts_turns(self, words: str) -> bool:
-        """Whether turns are counted of a joint that is not known: of no one."""
-        return False
 
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether an axis is connected; six zeros are what is written by hand where there is none."""
@@ -243,7 +226,7 @@ _ARM_BITS: Final = 0b111111
 _STATUS_OF_THE_ARM: Final = 0b011  # the wrist is in Turn
 
 
-class StatusAndTurn:
+class StatusAndTurn(Rule):
     """The rule of controllers that read KRL."""
 
     def posture(self, words: str) -> str:
@@ -269,10 +252,6 @@ class StatusAndTurn:
         """Return T of what is sent; its bits of external axes stay."""
         bits = sum(1 << axis for axis, angle in enumerate(sent_rad) if angle < 0.0)
         return tuple((turn & ~_ARM_BITS) | bits for turn in known.turns)
-
-    def counts_turns(self, words: str) -> bool:
-        """Whether turns are counted of a joint that is not known: of no one."""
-        return False
 
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether an external axis stands elsewhere than at zero, as those that are not there do."""
