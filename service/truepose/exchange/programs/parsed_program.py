@@ -59,6 +59,16 @@ class ArgumentTargets:
     near_rad: tuple[float, ...] | None = None  # a configuration that chooses the branch
 
 
+Held: TypeAlias = dict[str, list[int]]  # targets of a name by their index, as it stands
+
+
+def among(held: Held, index: str | None) -> tuple[int, ...]:
+    """Return the targets that an index chooses; all of them where it is computed (None)."""
+    if index is None:
+        return tuple(target for targets in held.values() for target in targets)
+    return tuple(held.get(index, ()))
+
+
 @dataclass(slots=True)
 class _Fate:
     """What the program does with a target."""
@@ -137,12 +147,22 @@ class Draft:
         if moves:
             self.interrupt()
 
-    def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
-        """Say that targets are handed to something that is not in the file, or not followed."""
-        self._count(line, targets)
-        reason = message("left.not_seen")
-        self._left.append((UncorrectedTarget(line, what, reason), tuple(targets)))
-        self.interrupt()
+    def leave_words(self, words: Tokens, reason: Message, serving: Sequence[int]) -> None:
+        """Leave a motion alone that words of the text tell, as `leave` does."""
+        self.leave(self.line(words), self.shown(words), reason, serving)
+
+    def compute_from(self, words: Tokens, serving: Sequence[int]) -> None:
+        """Say that words of the text compute something from targets, if there are any; nothing moves."""
+        if serving:
+            self.leave(self.line(words), self.shown(words), COMPUTED, serving, moves=False)
+
+    def hand_over(self, words: Tokens, targets: Sequence[int]) -> None:
+        """Say that targets, if there are any, are handed to something that is not seen, or not followed."""
+        if targets:
+            line, reason = self.line(words), message("left.not_seen")
+            self._count(line, targets)
+            self._left.append((UncorrectedTarget(line, self.shown(words), reason), tuple(targets)))
+            self.interrupt()
 
     def change(self, line: int, targets: Sequence[int]) -> None:
         """Say that the program gives targets other values than those that stand in the file."""

@@ -4,18 +4,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import Final, Literal, NamedTuple, TypeAlias, get_args
 
 from truepose.exchange.programs.program import Number, Source
 
 Kind: TypeAlias = Literal["word", "number", "string", "sign", "end"]
-_KINDS: Final[Mapping[str, Kind]] = {
-    "word": "word",
-    "number": "number",
-    "string": "string",
-    "sign": "sign",
-    "end": "end",
-}
+_KINDS: Final[Mapping[str, Kind]] = {kind: kind for kind in get_args(Kind)}
 _CLOSES: Final = {")": "(", "]": "[", "}": "{"}
 _OPENS: Final = frozenset(_CLOSES.values())
 _LONGEST_SHOWN: Final = 60

@@ -155,10 +155,7 @@ class _Reader:
             data = self._data.point_data(value[0].upper) if value else None
             self._frames.put("TOOL", data.tool if data else None)
             self._frames.put("BASE", data.base if data else None)
-        serving = self._data.targets_in(value)
-        if serving:
-            line = self._draft.line(words)
-            self._draft.leave(line, self._draft.shown(words), COMPUTED, serving, moves=False)
+        self._draft.compute_from(words, self._data.targets_in(value))
 
     def _bas(self, words: Tokens) -> None:
         match inside(words[1:], "("):
@@ -169,9 +166,7 @@ class _Reader:
                         self._frames.put(which, frame)
 
     def _call(self, words: Tokens) -> None:
-        handed = self._data.targets_in(words)
-        if handed:
-            self._draft.hand_over(self._draft.line(words), self._draft.shown(words), handed)
+        self._draft.hand_over(words, self._data.targets_in(words))
         if words[0].upper not in _STANDS_STILL:
             self._draft.interrupt()
 
@@ -211,9 +206,7 @@ class _Reader:
         return self._data.chosen(aim) if is_name else COMPUTED
 
     def _leave(self, words: Tokens, reason: Message) -> None:
-        serving = self._data.targets_in(words)
-        line = self._draft.line(words)
-        self._draft.leave(line, self._draft.shown(words), reason, serving)
+        self._draft.leave_words(words, reason, self._data.targets_in(words))
 
 
 def _framed(frame: InUse) -> Frame | None:

@@ -18,7 +18,9 @@ from truepose.exchange.programs.parsed_program import (
     HOLDS_WORK,
     ArgumentTargets,
     Draft,
+    Held,
     InUse,
+    among,
 )
 from truepose.exchange.programs.pose_notation import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
 from truepose.exchange.programs.program import (
@@ -175,7 +177,6 @@ _TARGETS: Final = frozenset({"E6POS", "POS", "E6AXIS", "AXIS"})
 _FRAME: Final = "FRAME"  # of a target, of an offset or of a base
 _POINT_DATA: Final = "FDAT"
 _IN_FRONT: Final = frozenset({"GLOBAL", "DECL", "CONST", "PUBLIC"})
-_Held: TypeAlias = dict[str, list[int]]  # targets by index as it stands
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +197,7 @@ class Data:
         self._draft = draft
         self._source = draft.source
         self._points: dict[str, PointData] = {}
-        self._targets: dict[str, _Held] = {}
+        self._targets: dict[str, Held] = {}
         self._certain: set[str] = set()  # names of targets, whether or not this file moves to them
         self.frames = Frames(self._source)
         given = [entry for line in lines for entry in _given(line)]
@@ -218,7 +219,7 @@ class Data:
         held = self._targets.get(name)
         if held is None:
             return COMPUTED if name.startswith("$") else ELSEWHERE
-        targets = _among(held, index)
+        targets = among(held, index)
         return ArgumentTargets(targets, index is not None) if targets else COMPUTED
 
     def targets_in(self, words: Tokens) -> tuple[int, ...]:
@@ -226,7 +227,7 @@ class Data:
         found: list[int] = []
         for at, word in enumerate(words):
             if word.upper in self._targets:
-                found += _among(self._targets[word.upper], self._index(bracket(words, "[", at + 1)))
+                found += among(self._targets[word.upper], self._index(bracket(words, "[", at + 1)))
         return tuple(found)
 
     def _take_frame(self, given: _Given) -> None:
@@ -246,11 +247,11 @@ class Data:
         if name in self._targets and given.value:
             self._give(self._targets[name], given)
 
-    def _give(self, held: _Held, given: _Given) -> None:
+    def _give(self, held: Held, given: _Given) -> None:
         """Follow what is given to a target: an aggregate is one, all else changes it."""
         index = self._index(given.index)
         if given.component or index is None or entries(given.value) is None:
-            self._draft.change(self._source.line(given.name.start), _among(held, index))
+            self._draft.change(self._source.line(given.name.start), among(held, index))
             return
         name = display_tokens(self._source, [given.name, *given.index])
         if_used = given.name.upper not in self._certain
@@ -269,12 +270,6 @@ class Data:
         read = [number(self._source, entry) for entry in inside(words, "[") or ()]
         known = [f"{entry.value:g}" for entry in read if entry is not None]
         return ",".join(known) if known and len(known) == len(read) else None
-
-
-def _among(held: _Held, index: str | None) -> tuple[int, ...]:
-    if index is None:
-        return tuple(target for targets in held.values() for target in targets)
-    return tuple(held.get(index, ()))
 
 
 def _is_place(given: _Given) -> bool:

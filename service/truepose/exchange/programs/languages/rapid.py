@@ -298,17 +298,12 @@ class _Follower:
 
     def _assignment(self, at: int) -> None:
         serving = self._data.targets_in(self._routine, self._words[at + 1 :])
-        if serving:
-            self._draft.leave(
-                self._draft.line(self._words), self._draft.shown(self._words), COMPUTED, serving, moves=False
-            )
+        self._draft.compute_from(self._words, serving)
 
     def _call(self) -> None:
         # A routine that is not followed may move to what it is given, and leaves the robot where nobody
         # knows.
-        handed = self._data.targets_in(self._routine, self._words)
-        if handed:
-            self._draft.hand_over(self._draft.line(self._words), self._draft.shown(self._words), handed)
+        self._draft.hand_over(self._words, self._data.targets_in(self._routine, self._words))
         self._draft.interrupt()
 
     def _move(self, move: _Move, index: int) -> None:
@@ -357,8 +352,7 @@ class _Follower:
         return work_object if isinstance(work_object, Message) else (tool, work_object)
 
     def _leave(self, words: Tokens, reason: Message) -> None:
-        serving = self._data.targets_in(self._routine, words)
-        self._draft.leave(self._draft.line(words), self._draft.shown(words), reason, serving)
+        self._draft.leave_words(words, reason, self._data.targets_in(self._routine, words))
 
 
 def _without_options(words: Tokens) -> Tokens:

@@ -17,7 +17,9 @@ from truepose.exchange.programs.parsed_program import (
     ArgumentTargets,
     Draft,
     FramesInUse,
+    Held,
     Step,
+    among,
     sets_within,
 )
 from truepose.exchange.programs.pose_notation import JOINT_RADIANS, METRES, ROTATION_VECTOR
@@ -131,7 +133,7 @@ class _Names:
     def __init__(self, draft: Draft, lines: Sequence[Tokens]) -> None:
         self._draft = draft
         self._source = draft.source
-        self._held: dict[str, dict[str, list[int]]] = {}  # by name, and by index in a list
+        self._held: dict[str, Held] = {}  # by name
         for line in lines:
             self._take(line)
 
@@ -209,10 +211,7 @@ class _Names:
         return None if words else ""
 
     def _among(self, name: str, index: str | None) -> tuple[int, ...]:
-        held = self._held.get(name, {})
-        if index is None:
-            return tuple(target for targets in held.values() for target in targets)
-        return tuple(held.get(index, ()))
+        return among(self._held.get(name, {}), index)
 
 
 class _Reader:
@@ -262,18 +261,12 @@ class _Reader:
 
     def _assignment(self, words: Tokens) -> None:
         at = next(place for place in outside(words) if words[place].text == "=")
-        serving = self._names.targets_in(words[at + 1 :])
-        if serving:
-            self._draft.leave(
-                self._draft.line(words), self._draft.shown(words), COMPUTED, serving, moves=False
-            )
+        self._draft.compute_from(words, self._names.targets_in(words[at + 1 :]))
 
     def _call(self, words: Tokens) -> None:
         if words[0].text.startswith(_STANDS_STILL):
             return
-        handed = self._names.targets_in(words)
-        if handed:
-            self._draft.hand_over(self._draft.line(words), self._draft.shown(words), handed)
+        self._draft.hand_over(words, self._names.targets_in(words))
         self._draft.interrupt()
 
     def _move(self, path: Path, words: Tokens) -> None:
@@ -289,8 +282,7 @@ class _Reader:
             self._leave(words, CHOSEN)
 
     def _leave(self, words: Tokens, reason: Message) -> None:
-        serving = self._names.targets_in(words)
-        self._draft.leave(self._draft.line(words), self._draft.shown(words), reason, serving)
+        self._draft.leave_words(words, reason, self._names.targets_in(words))
 
 
 def _unnamed(words: Tokens) -> Tokens:
