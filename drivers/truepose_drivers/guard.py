@@ -73,7 +73,7 @@ def _watched(
     """Name the driver in what a call of it raises, and close the link where it must not go on."""
 
     @functools.wraps(ask)
-    async def ask_watched(self: Guard, *args: P.args, **kwargs: P.kwargs) -> Value:
+    async def ask_watched(self: Guard, /, *args: P.args, **kwargs: P.kwargs) -> Value:
         try:
             return await ask(self, *args, **kwargs)
         except ImplausibleReadingError as error:
