@@ -298,7 +298,7 @@ def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
         if joints is None:
             raise WorkSpaceError(
                 f"The arm cannot hold the setting ball at base point {point} of placement {fixture.number}: "
-                "place the base fixture nearer to the middle of its work space."
+                "place the base fixture nearer to the middle of its workspace."
             )
         found.append(PlannedSetup(point, tuple(float(q) for q in joints)))
     return tuple(found)

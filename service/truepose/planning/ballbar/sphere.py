@@ -95,7 +95,7 @@ def plan_sphere(
     if held is None:
         raise WorkSpaceError(
             "The arm cannot hold the setting ball at base point 1: place the base fixture nearer to the "
-            "middle of its work space."
+            "middle of its workspace."
         )
     around, rng = Surroundings(cell, fixture), np.random.default_rng(seed)
     search = _Search(around, held, wish, rng)

@@ -244,7 +244,7 @@ def test_what_the_registration_is_off_by_cannot_be_seen_in_readings():
 def test_fixed_nests_on_a_line_place_no_frame():
     line = tuple(FixedNest((100.0 * k, 37.0 * k - 500.0, 13.7 * k), 0.002) for k in (1.0, 2.0, 5.0))
 
-    with pytest.raises(ConfigurationError, match="fixed nests lie on one line"):
+    with pytest.raises(ConfigurationError, match="reference nests lie on one line"):
         planned(4, knowns=PriorKnowledge(fixed_nests=line))
 
 

@@ -246,7 +246,7 @@ def test_no_fixed_nests_are_asked_for():
 
     check_plan(plan, IRB120, SHOWN, (), limits)
 
-    with pytest.raises(PlanRefusedError, match="fixed nests"):
+    with pytest.raises(PlanRefusedError, match="reference nests"):
         check_plan(replace(plan, measures="points"), IRB120, SHOWN, (), limits)
 
 

@@ -75,7 +75,7 @@ def test_an_unknown_tool_nest_cannot_be_looked_for():
 @pytest.mark.parametrize(
     ("fixed_nests", "sentence"),
     [
-        (FIXED_NESTS[:2], "2 fixed nests"),
+        (FIXED_NESTS[:2], "2 reference nests"),
         (tuple(FixedNest((x, 2.0 * x, 0.0), 0.002) for x in (0.0, 400.0, 800.0)), "on one line"),
     ],
 )

@@ -53,7 +53,7 @@ async def test_a_restart_after_the_tracker_was_moved_places_it_anew():
     ended = await run_session(again, make_plan(2), operator, before_the_end(first))
 
     assert ended is SessionState.FINISHED
-    assert "Fixed nest 1 was not found" in operator.questions[1]
+    assert "Reference nest 1 was not found" in operator.questions[1]
     assert len(again.journal.registrations) == 1
 
 

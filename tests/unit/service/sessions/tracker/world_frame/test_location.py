@@ -63,7 +63,7 @@ async def test_an_empty_fixed_nest_is_said_so_and_nothing_is_guessed():
     cell.tracker.fixed_nests = cell.tracker.fixed_nests.copy()
     cell.tracker.fixed_nests[1] += 1e5  # taken away
 
-    with pytest.raises(ReadingRejectedError, match="each fixed nest holds its reflector"):
+    with pytest.raises(ReadingRejectedError, match="each reference nest holds its reflector"):
         await located(cell)
 
 
