@@ -21,13 +21,10 @@ _UNTRUSTED = protocol.Status.OVERSPEED | protocol.Status.NOT_REFERENCED
 class HidBallbar(OnePortDevice):
     """A ballbar that sends reports by itself."""
 
-    def __init__(
-        self, port: ReportPort, clock: Clock, *, report_timeout_s: float = _REPORT_TIMEOUT_S
-    ) -> None:
+    def __init__(self, port: ReportPort, clock: Clock) -> None:
         super().__init__(port)
         self._port: ReportPort = port
         self._clock = clock
-        self._report_timeout_s = report_timeout_s
         self._nominal_mm = math.inf
         self._last: int | None = None  # number of the newest report of this connection
         self._turns = Turns(port, harmless=(DeviceRefusedError,))
@@ -78,10 +75,10 @@ class HidBallbar(OnePortDevice):
 
     async def _next_reading(self) -> protocol.BarReading:
         """Return a new report; raises HidBallbarError for one that is old, or longer than the bar."""
-        report = await self._port.fresh_report(self._report_timeout_s)
+        report = await self._port.fresh_report(_REPORT_TIMEOUT_S)
         if report is None:
             raise NoReplyError(
-                f"the ballbar at {self._port.address} sends nothing for {self._report_timeout_s:g} s:"
+                f"the ballbar at {self._port.address} sends nothing for {_REPORT_TIMEOUT_S:g} s:"
                 " check its battery, then plug it in again"
             )
         reading, last = protocol.decode_reading(report), self._last

@@ -6,7 +6,6 @@ and each when the one before has ended: whatever dies, the arm rests within a se
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from truepose_drivers import arm_options
@@ -34,22 +33,17 @@ from truepose_drivers.transports.link import Link, introduction, now_s
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
+# What the controller may take, in wall time.
 _SECOND_PORT_OPENS_WITHIN_S: Final = 2.0  # it is not opened to a second client
+_REPLY_S: Final = 1.5
+_INITIALISE_S: Final = 20.0  # to reset faults, to end its program and to begin it
+_ALIVE_S: Final = 0.5  # of silence during a motion, after which it is asked whether it is there
+_MOTION_S: Final = 20.0  # of each piece, in addition to its motion: somebody holds it at the pendant
+_NEWER_S: Final = 0.5  # for joints that are newer than the last ones
+# About 2.7 s were measured on a controller between a clean goodbye and the next session.
+_NEXT_CLIENT_S: Final = 3.0  # after the last client has left
 
 Answer = TypeVar("Answer")
-
-
-@dataclass(frozen=True, slots=True)
-class TimeOuts:
-    """How long the controller may take, in wall time."""
-
-    reply_s: float = 1.5
-    initialise_s: float = 20.0  # to reset faults, to end its program and to begin it
-    alive_s: float = 0.5  # of silence during a motion, after which it is asked whether it is there
-    motion_s: float = 20.0  # of each piece, in addition to its motion: somebody holds it at the pendant
-    newer_s: float = 0.5  # for joints that are newer than the last ones
-    # About 2.7 s were measured on a controller between a clean goodbye and the next session.
-    next_client_s: float = 3.0  # after the last client has left
 
 
 class RmiRobot(CountedArm):
@@ -66,13 +60,10 @@ class RmiRobot(CountedArm):
         first_port: int = protocol.CONNECT_PORT,
         counting: JointCounting | None = None,
         pace: Pace | None = None,
-        time_outs: TimeOuts | None = None,
     ) -> None:
-        self._time_outs = time_outs or TimeOuts()
-        reply_s, patience_s = self._time_outs.reply_s, self._time_outs.next_client_s
-        self._link = Handover(to_port, first_port, reply_s=reply_s, patience_s=patience_s)
+        self._link = Handover(to_port, first_port, reply_s=_REPLY_S, patience_s=_NEXT_CLIENT_S)
         super().__init__(self._link, clock, counting or JointCounting(), pace or Pace())
-        self._exchanges = Exchanges(self._link, alive_s=self._time_outs.alive_s, answer_s=reply_s - 0.5)
+        self._exchanges = Exchanges(self._link, alive_s=_ALIVE_S, answer_s=_REPLY_S - 0.5)
         self._sequence = 0  # number of the next instruction
         self._override_percent = protocol.FASTEST_PERCENT  # that somebody set, as stated last
         self._stated: protocol.StatedAxes | None = None  # last in this session
@@ -127,14 +118,14 @@ class RmiRobot(CountedArm):
             return await self._answer(name, decode)
 
     async def _answer(self, name: protocol.Command, decode: Callable[[protocol.Packet], Answer]) -> Answer:
-        answer = await self._exchanges.reply_to(protocol.command(name), self._time_outs.reply_s)
+        answer = await self._exchanges.reply_to(protocol.command(name), _REPLY_S)
         if (error := protocol.error_of(answer)) != 0:
             raise DeviceRefusedError(f"the robot does not answer {name}: {protocol.in_words(error)}")
         return decode(answer)
 
     async def _newest_axes(self) -> protocol.StatedAxes:
         """Return axes that were stated later than any before in this session."""
-        give_up_s = now_s() + self._time_outs.newer_s
+        give_up_s = now_s() + _NEWER_S
         async with self._exchanges.turn():
             while not self._is_news(
                 stated := await self._answer(protocol.Command.JOINTS, protocol.decode_axes)
@@ -195,9 +186,7 @@ class RmiRobot(CountedArm):
     async def _told(self, name: protocol.Command) -> int:
         """Give a command that takes its time, and return with which error."""
         async with self._exchanges.turn():
-            return protocol.error_of(
-                await self._exchanges.reply_to(protocol.command(name), self._time_outs.initialise_s)
-            )
+            return protocol.error_of(await self._exchanges.reply_to(protocol.command(name), _INITIALISE_S))
 
     async def _shown_errors(self) -> str:
         texts = await self._asked(protocol.Command.ERROR_TEXTS, protocol.error_texts)
@@ -244,14 +233,12 @@ class RmiRobot(CountedArm):
     async def _set_override(self, percent: int) -> None:
         async with self._exchanges.turn():
             request = protocol.command(protocol.Command.OVERRIDE, Value=percent)
-            if (
-                error := protocol.error_of(await self._exchanges.reply_to(request, self._time_outs.reply_s))
-            ) != 0:
+            if (error := protocol.error_of(await self._exchanges.reply_to(request, _REPLY_S))) != 0:
                 raise DeviceRefusedError(f"the robot keeps its speed override: {protocol.in_words(error)}")
 
     async def _move(self, motion: protocol.JointMotion, target_deg: Angles) -> None:
         async with self._exchanges.turn():
-            end = await self._exchanges.end_of(protocol.encode_motion(motion), self._time_outs.motion_s)
+            end = await self._exchanges.end_of(protocol.encode_motion(motion), _MOTION_S)
             error = protocol.error_of(end)
             self._sequence += 1
             self._exchanges.holds = self._exchanges.holds or error != 0

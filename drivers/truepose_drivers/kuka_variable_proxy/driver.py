@@ -5,7 +5,6 @@ keeps changing: whoever gave the order and is gone has the arm stopped.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from truepose_drivers import arm_options
@@ -26,17 +25,11 @@ from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
+_REPLY_S: Final = 1.5  # wall time, as the next
+_MOTION_S: Final = 20.0  # in addition to the motion at the speed override that holds
 # KUKA, "KR AGILUS sixx" specification: axis speeds of the KR 6 R900 sixx.
 _AGILUS_PACE: Final = Pace(joint_speeds_deg_s=(360.0, 300.0, 360.0, 381.0, 388.0, 615.0))
 _SIGNS: Final = (1, 1, 1, 1, 1, 1)
-
-
-@dataclass(frozen=True, slots=True)
-class TimeOuts:
-    """How long the controller may take, in wall time."""
-
-    reply_s: float = 1.5
-    motion_s: float = 20.0  # in addition to the motion at the speed override that holds
 
 
 class KukaRobot(CountedArm):
@@ -53,10 +46,8 @@ class KukaRobot(CountedArm):
         *,
         signs: tuple[int, ...] = _SIGNS,
         pace: Pace = _AGILUS_PACE,
-        time_outs: TimeOuts | None = None,
     ) -> None:
-        self._time_outs = time_outs or TimeOuts()
-        self._proxy = VariableProxy(link, reply_s=self._time_outs.reply_s)
+        self._proxy = VariableProxy(link, reply_s=_REPLY_S)
         super().__init__(self._proxy, clock, JointCounting(signs, from_horizontal=False), pace)
         self._program = Program(self._proxy)
 
@@ -87,7 +78,7 @@ class KukaRobot(CountedArm):
             order, duration_s = await self._order(axes_deg, target_deg)
             await self._program.give(order)
             try:
-                await self._program.carry_out(state.unused_number, self._time_outs.motion_s + duration_s)
+                await self._program.carry_out(state.unused_number, _MOTION_S + duration_s)
             except TargetRefusedError as error:
                 raise TargetRefusedError(
                     f"joint target ({degrees_text(target_deg)}) deg, as the pendant counts: {error}"

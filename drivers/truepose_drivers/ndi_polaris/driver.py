@@ -51,16 +51,13 @@ class PolarisTracker(OnePortDevice):
     `definition` are the bytes of the artefact's tool definition (.rom).
     """
 
-    def __init__(
-        self, link: Link, clock: Clock, definition: bytes, *, reply_timeout_s: float = _REPLY_TIMEOUT_S
-    ) -> None:
+    def __init__(self, link: Link, clock: Clock, definition: bytes) -> None:
         self._conversation: Conversation[protocol.Reply] = Conversation(
             link, protocol.ReplyReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
         super().__init__(self._conversation)
         self._clock = clock
         self._definition = definition
-        self._reply_timeout_s = reply_timeout_s
         self._handle: int | None = None  # of the artefact; None before the camera was initialised
         self._frame = 0  # counted last
         self._speaks_binary = True
@@ -202,18 +199,18 @@ class PolarisTracker(OnePortDevice):
             raise NotInitialisedError("the camera was not initialised since it was connected: do so first")
         return self._handle
 
-    async def _okay(self, request: protocol.Request, *, timeout_s: float | None = None) -> None:
+    async def _okay(self, request: protocol.Request, *, timeout_s: float = _REPLY_TIMEOUT_S) -> None:
         await self._ask(request, _okayed, timeout_s=timeout_s)
 
-    async def _text(self, request: protocol.Request, *, timeout_s: float | None = None) -> protocol.Text:
-        return await self._ask(request, _text, timeout_s=timeout_s)
+    async def _text(self, request: protocol.Request) -> protocol.Text:
+        return await self._ask(request, _text)
 
     async def _ask(
         self,
         request: protocol.Request,
         decode: Callable[[protocol.Reply], Value],
         *,
-        timeout_s: float | None = None,
+        timeout_s: float = _REPLY_TIMEOUT_S,
     ) -> Value:
         def answered(reply: protocol.Reply) -> Value:
             if reply == protocol.RESET:
@@ -230,7 +227,7 @@ class PolarisTracker(OnePortDevice):
         return await self._conversation.ask(
             protocol.encode_request(request),
             answered,
-            timeout_s=self._reply_timeout_s if timeout_s is None else timeout_s,
+            timeout_s=timeout_s,
             silence=silence,
         )
 

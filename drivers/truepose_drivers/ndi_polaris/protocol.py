@@ -322,10 +322,10 @@ class ToolFrame:
     disabled: bool = False
 
 
-def encode_binary(tools: Sequence[ToolFrame], system_status: int = 0) -> Binary:
+def encode_binary(tools: Sequence[ToolFrame]) -> Binary:
     """Return the reply to BX."""
     entries = b"".join(map(_binary_entry, tools))
-    return Binary(bytes([len(tools)]) + entries + _SYSTEM.pack(system_status))
+    return Binary(bytes([len(tools)]) + entries + _SYSTEM.pack(0))
 
 
 def _binary_entry(tool: ToolFrame) -> bytes:
@@ -369,10 +369,10 @@ def _binary_tools(body: bytes) -> list[ToolFrame]:
     return tools
 
 
-def encode_text(tools: Sequence[ToolFrame], system_status: int = 0) -> Text:
+def encode_text(tools: Sequence[ToolFrame]) -> Text:
     """Return the reply to TX."""
     entries = "".join(f"{tool.handle:02X}{_text_entry(tool)}\n" for tool in tools)
-    return Text(f"{len(tools):02X}{entries}{system_status:04X}")
+    return Text(f"{len(tools):02X}{entries}0000")
 
 
 def _text_entry(tool: ToolFrame) -> str:

@@ -41,6 +41,8 @@ from truepose_drivers.universal_robots.script import (
 
 _FREQUENCY_HZ = 125.0  # which controllers of every series offer
 _UNKNOWN = "unknown"
+_REPLY_S = 2.0  # wall time, as the next
+_STATE_S = 0.5  # for a state that is newer than the one before
 _FURTHEST_RAD = 4.0 * math.pi  # beyond the range of any joint
 
 
@@ -53,14 +55,6 @@ class Ports:
     dashboard: Link
 
 
-@dataclass(frozen=True, slots=True)
-class TimeOuts:
-    """How long the controller may take, in wall time."""
-
-    reply_s: float = 2.0
-    state_s: float = 0.5  # for a state that is newer than the one before
-
-
 class UniversalRobot(OnePortDevice):
     """A controller on three links. Keeps the conversation; computes nothing."""
 
@@ -68,7 +62,7 @@ class UniversalRobot(OnePortDevice):
     # Our program stops a motion when it hears nothing; the registers are read back.
     motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
 
-    def __init__(self, ports: Ports, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
+    def __init__(self, ports: Ports, clock: Clock) -> None:
         self._link = ports.rtde
         self._rtde = Conversation[protocol.Packet](
             ports.rtde, protocol.PacketReader, harmless=(DeviceRefusedError,)
@@ -77,7 +71,6 @@ class UniversalRobot(OnePortDevice):
         self._script = ports.script
         self._dashboard = Conversation[str](ports.dashboard, protocol.LineReader)
         self._clock = clock
-        self._time_outs = time_outs or TimeOuts()
         limits = MotionLimits()
         self._order = Order(
             tool_speed_mm_s=limits.tool_speed_mm_s, turning_speed_rad_s=limits.orientation_speed_rad_s
@@ -164,15 +157,13 @@ class UniversalRobot(OnePortDevice):
 
     async def _names(self) -> tuple[str | None, str | None]:
         at = self._dashboard.address
-        self._dashboard.expect(self._time_outs.reply_s, f"the dashboard at {at} does not greet: restart it")
+        self._dashboard.expect(_REPLY_S, f"the dashboard at {at} does not greet: restart it")
         protocol.require_greeting(await self._dashboard.next())
         return await self._name(protocol.SERIAL_NUMBER), await self._name(protocol.ROBOT_MODEL)
 
     async def _name(self, question: str) -> str | None:
         silence = f'the dashboard at {self._dashboard.address} does not answer "{question}": connect again'
-        await self._dashboard.send(
-            protocol.encode_line(question), timeout_s=self._time_outs.reply_s, silence=silence
-        )
+        await self._dashboard.send(protocol.encode_line(question), timeout_s=_REPLY_S, silence=silence)
         return protocol.stated_name(await self._dashboard.next())
 
     @contextlib.asynccontextmanager
@@ -198,7 +189,7 @@ class UniversalRobot(OnePortDevice):
         """Send a request and return what its reply holds; states and texts may come before it."""
         await self._rtde.send(
             protocol.encode(request),
-            timeout_s=self._time_outs.reply_s,
+            timeout_s=_REPLY_S,
             silence=f"the robot at {self._rtde.address} is connected and says nothing: look at the pendant,"
             " then connect again",
         )
@@ -212,7 +203,7 @@ class UniversalRobot(OnePortDevice):
     async def _next_state(self) -> RobotState:
         """Return a state that is newer than all before; a clock that stands still is a lost connection."""
         self._rtde.expect(
-            self._time_outs.state_s,
+            _STATE_S,
             f"the robot at {self._rtde.address} states nothing new, or its clock stands still: check the"
             " network and the controller, then connect again",
         )
@@ -236,7 +227,7 @@ class UniversalRobot(OnePortDevice):
     async def _give(self, order: Order) -> None:
         """Write an order, and see it stand in the controller's registers."""
         await self._write(order)
-        give_up_s = now_s() + self._time_outs.reply_s
+        give_up_s = now_s() + _REPLY_S
         while (await self._next_state()).registers != order.values():
             if now_s() > give_up_s:
                 raise protocol.UrProtocolError(

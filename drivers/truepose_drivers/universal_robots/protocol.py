@@ -70,9 +70,9 @@ def encode(packet: Packet) -> bytes:
     return _HEADER.pack(_HEADER.size + len(packet.payload), packet.kind) + packet.payload
 
 
-def version_request(version: int = PROTOCOL_VERSION) -> Packet:
-    """Ask for a version of the protocol."""
-    return Packet(Kind.VERSION, _VERSION.pack(version))
+def version_request() -> Packet:
+    """Ask for our version of the protocol."""
+    return Packet(Kind.VERSION, _VERSION.pack(PROTOCOL_VERSION))
 
 
 def requested_version(payload: bytes) -> int:

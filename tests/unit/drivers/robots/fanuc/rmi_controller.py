@@ -6,7 +6,7 @@ import math
 from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.fanuc_rmi.driver import RmiRobot, TimeOuts
+from truepose_drivers.fanuc_rmi.driver import RmiRobot
 from truepose_drivers.fanuc_rmi.protocol import (
     CONNECT_PORT,
     Kind,
@@ -99,12 +99,12 @@ def refusal(error):
     return lambda packet: encode(reply(packet, error))
 
 
-def robot_of(fake, **time_outs):
-    return RmiRobot(fake.link, FixedClock(), time_outs=TimeOuts(**time_outs))
+def robot_of(fake):
+    return RmiRobot(fake.link, FixedClock())
 
 
-async def connected(fake, **time_outs):
-    robot = robot_of(fake, **time_outs)
+async def connected(fake):
+    robot = robot_of(fake)
     await robot.connect()
     await robot.set_limits(FAST)
     return robot
