@@ -148,21 +148,6 @@ async def test_the_bridge_may_say_whose_values_they_are():
     await driver.close()
 
 
-@pytest.mark.parametrize("second", [17, 16, -1], ids=["frozen", "back", "far back"])
-async def test_a_bridge_that_repeats_itself_is_hung_up_on(second):
-    bridge = FakeBridge()
-    bridge.lines.put_nowait(encode(BridgeReading(0.1, "good", None, 17)))
-    driver = await bridge.connected(value_timeout_s=20.0)
-
-    asyncio.get_running_loop().call_later(
-        0.01, bridge.lines.put_nowait, encode(BridgeReading(0.1, "good", None, second))
-    )
-
-    with pytest.raises(JsonLineError, match="repeats itself"):
-        await driver.read()
-    assert not driver.connected
-
-
 async def test_of_values_that_come_at_once_the_newest_counts():
     bridge = FakeBridge()
     bridge.send(0.1)
