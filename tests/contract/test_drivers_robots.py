@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.contract.benches import registry
-from truepose_drivers.api import MotionLimits
+from truepose_drivers.api import DeviceIdentity, MotionGuard, MotionLimits
 from truepose_drivers.errors import ConnectionLostError, LinkError, TargetRefusedError
 from truepose_simulators.faults.kinds import RobotRefuses
 
@@ -19,6 +19,34 @@ async def robot(bench, request):
     await robot.connect()
     await robot.set_limits(MotionLimits())
     return robot
+
+
+MOTIONS = {
+    "abb_open_abb": (False, MotionGuard(longest_piece_s=1.0)),  # before it is known whose server it is
+    "abb_rws": (True, MotionGuard(stops_unheard_s=1.0, speed_read_back=True)),
+    "fanuc_mappdk": (False, MotionGuard(longest_piece_s=1.0)),
+    "fanuc_rmi": (True, MotionGuard(longest_piece_s=0.8, speed_share=1.0)),
+    "kuka_variable_proxy": (True, MotionGuard(stops_unheard_s=1.0)),
+    "universal_robots": (True, MotionGuard(stops_unheard_s=1.0, speed_read_back=True)),
+}
+IDENTITIES = {
+    "abb_open_abb": ("ABB", "IRB 120-3/0.6", "SIM-1", "5.61.0100"),
+    "abb_rws": ("ABB", "IRB 120-3/0.6", "SIM-1", "6.08.01.00"),
+    "fanuc_mappdk": ("FANUC", "IRB 120-3/0.6", "SIM-1", "V7.70P"),
+    "fanuc_rmi": ("FANUC", "unknown", "unknown", "RMI 9.0"),  # all that the interface tells
+    "kuka_variable_proxy": ("KUKA", "#IRB 120-3/0.6", "SIM-1", "KS V8.3.0 (simulated)"),
+    "universal_robots": ("Universal Robots", "IRB 120-3/0.6", "SIM-1", "3.15.8.106339"),
+}
+
+
+@pytest.mark.parametrize("name", registry().names("robot"))
+async def test_a_driver_says_what_becomes_of_a_motion_and_of_which_robot(bench, name):
+    robot = bench.driver(name)
+    assert (robot.can_stop_motion, robot.motion_guard) == MOTIONS[name]
+
+    await robot.connect()
+
+    assert await robot.identify() == DeviceIdentity(*IDENTITIES[name])
 
 
 async def test_the_arm_goes_where_it_is_told(robot):

@@ -50,8 +50,8 @@ def replying(reply: bytes):
     return serve
 
 
-def clock_on(serve, chunk_bytes: int = 4096, answer_timeout_s: float = 5.0) -> CellClock:
-    return CellClock(lambda: MemoryLink(serve, chunk_bytes=chunk_bytes), answer_timeout_s=answer_timeout_s)
+def clock_on(serve, chunk_bytes: int = 4096) -> CellClock:
+    return CellClock(lambda: MemoryLink(serve, chunk_bytes=chunk_bytes), answer_timeout_s=5.0)
 
 
 @pytest.fixture

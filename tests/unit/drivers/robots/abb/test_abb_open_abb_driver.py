@@ -26,7 +26,7 @@ from truepose_drivers.abb_open_abb.protocol import (
     LogLine,
     encode_log_line,
 )
-from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionGuard, MotionLimits
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
@@ -110,13 +110,6 @@ async def test_a_server_that_watches_hears_the_driver_while_the_arm_moves():
 
     assert fake.requests[-4].startswith("2 ")
     assert fake.requests[-3:] == ["96 #"] * 3
-
-
-def test_it_is_a_robot_controller_that_cannot_stop():
-    robot: RobotController = OpenAbbRobot(MemoryLink(None), FixedClock())
-
-    assert not robot.can_stop_motion
-    assert not robot.connected
 
 
 async def test_a_joint_target_goes_out_in_degrees_with_five_decimals(fake, robot):

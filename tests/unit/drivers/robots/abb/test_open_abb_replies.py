@@ -170,15 +170,6 @@ async def test_a_reply_without_its_trailing_space_is_taken():
     assert robot.connected
 
 
-async def test_the_identity_names_serial_version_and_type():
-    robot = await connected_robot(FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6"))
-
-    identity = await robot.identify()
-
-    assert (identity.manufacturer, identity.model) == ("ABB", "IRB 120-3/0.6")
-    assert (identity.serial, identity.firmware) == ("120-500123", "6.08.01")
-
-
 async def test_an_identity_that_lacks_fields_says_unknown():
     robot = await connected_robot(FakeController(code_98="98 1 120-500123"))
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
-from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionGuard, MotionLimits
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
@@ -94,11 +94,10 @@ async def robot(fake):
     return await connected(fake)
 
 
-def test_it_is_a_robot_controller_that_cannot_stop():
-    robot: RobotController = MappdkRobot(MemoryLink(None), FixedClock())
+async def test_a_stock_server_tells_nothing_of_its_identity(robot):
+    stock = await robot.identify()
 
-    assert not robot.can_stop_motion
-    assert not robot.connected
+    assert (stock.model, stock.serial, stock.firmware) == ("unknown", "unknown", "MAPPDK")
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
@@ -269,19 +268,6 @@ async def test_it_moves_again_after_connecting_again():
 
     assert fake.shown_deg == pytest.approx(SHOWN_DEG)
     assert fake.requests.count("watch:0800") == 2
-
-
-async def test_the_identity_is_told_by_our_own_server_only():
-    own = await (await connected(ours())).identify()
-    stock = await (await connected(FakeController())).identify()
-
-    assert (own.manufacturer, own.model, own.serial, own.firmware) == (
-        "FANUC",
-        "LR Mate 200iC",
-        "F123",
-        "V7.70P",
-    )
-    assert (stock.model, stock.serial, stock.firmware) == ("unknown", "unknown", "MAPPDK")
 
 
 async def test_joints_are_read_at_the_logger_while_the_arm_moves():

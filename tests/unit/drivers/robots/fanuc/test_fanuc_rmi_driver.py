@@ -14,9 +14,8 @@ from tests.unit.drivers.robots.fanuc.rmi_controller import (
     connected,
     refusal,
     replace_status,
-    robot_of,
 )
-from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     DeviceRefusedError,
     NoReplyError,
@@ -32,14 +31,6 @@ from truepose_drivers.fanuc_rmi.protocol import (
 )
 
 pytestmark = pytest.mark.simulated_time
-
-
-def test_it_sends_short_pieces_only():
-    robot: RobotController = robot_of(FakeController())
-
-    assert robot.motion_guard == MotionGuard(longest_piece_s=0.8, speed_share=1.0)
-    assert robot.can_stop_motion
-    assert not robot.connected
 
 
 async def test_a_target_goes_out_as_the_controller_counts_and_comes_back_as_the_robot_file_does(fake, robot):
@@ -253,10 +244,3 @@ async def test_two_motions_at_once_go_one_after_the_other(fake, robot):
 
     assert [packet.fields["SequenceID"] for packet in fake.motions] == list(range(1, len(fake.motions) + 1))
     assert fake.axes_deg[:6] == pytest.approx((0.0,) * 6)
-
-
-async def test_the_interface_tells_its_version_only():
-    identity = await (await connected(FakeController())).identify()
-
-    assert (identity.manufacturer, identity.model, identity.serial) == ("FANUC", "unknown", "unknown")
-    assert identity.firmware == "RMI 9.0"

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
-from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
@@ -114,14 +114,6 @@ def fake():
 @pytest.fixture
 async def robot(fake):
     return await connected(fake)
-
-
-def test_it_is_a_robot_that_stops_when_it_is_not_heard():
-    robot: RobotController = KukaRobot(MemoryLink(None), FixedClock())
-
-    assert robot.motion_guard == MotionGuard(stops_unheard_s=1.0)
-    assert robot.can_stop_motion
-    assert not robot.connected
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 4096])
@@ -308,13 +300,6 @@ async def test_connecting_again_is_not_disturbed_by_a_ping_under_way(fake, robot
     assert robot.connected
     assert (await robot.read_joints()).joints_rad
     await robot.close()
-
-
-async def test_it_says_who_it_is():
-    identity = await (await connected(FakeController())).identify()
-
-    assert (identity.manufacturer, identity.serial) == ("KUKA", "482915")
-    assert (identity.model, identity.firmware) == ("#KR6R900 Z200 C4SR FLR", "KS V8.3.27")
 
 
 async def test_what_older_software_does_not_tell_is_unknown():

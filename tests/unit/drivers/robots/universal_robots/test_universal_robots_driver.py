@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.helpers.instruments.memory_link import MemoryEnd, MemoryLink
-from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionLimits
 from truepose_drivers.errors import (
     ConnectFailedError,
     NoReplyError,
@@ -148,13 +148,6 @@ async def connected(fake: FakeController, chunk_bytes: int = 4096):
         await robot.close()
 
 
-def test_it_is_a_robot_that_stops_when_it_is_not_heard():
-    robot: RobotController = robot_of(FakeController())
-
-    assert robot.can_stop_motion
-    assert robot.motion_guard == MotionGuard(stops_unheard_s=1.0, speed_read_back=True)
-
-
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 4096])
 async def test_joints_are_read_from_any_split_of_the_stream(chunk_bytes):
     async with connected(FakeController(), chunk_bytes) as robot:
@@ -170,12 +163,6 @@ async def test_nothing_is_streamed_between_two_questions(fake, robot):
 
     assert (await robot.read_joints()).joints_rad == TARGET
     assert fake.asked[3:] == [Kind.START, Kind.PAUSE, Kind.START, Kind.PAUSE]
-
-
-async def test_an_identity_comes_from_rtde_and_dashboard(robot):
-    identity = await robot.identify()
-
-    assert (identity.serial, identity.model, identity.firmware) == ("20185000123", "UR10", "5.11.0.108249")
 
 
 async def test_software_that_does_not_tell_its_serial_number_has_none(fake, robot):
