@@ -15,51 +15,12 @@ import functools
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
-from truepose_drivers.api import (
-    AnyDevice,
-    AnyGuarded,
-    Ballbar,
-    BallbarReading,
-    Clock,
-    Device,
-    DeviceIdentity,
-    DeviceKind,
-    Environment,
-    FullClock,
-    JointReading,
-    LinearGauge,
-    MotionGuard,
-    MotionLimits,
-    Options,
-    PointTracker,
-    PoseReading,
-    PoseTracker,
-    RobotController,
-    SimulatedHands,
-    TrackerReading,
-    Vector,
-)
+from truepose_drivers import api, plausibility
 from truepose_drivers.errors import (
     DriverError,
     DriverFaultError,
     ImplausibleReadingError,
     RemoteProtocolError,
-)
-from truepose_drivers.plausibility import (
-    StandingCount,
-    channels_of,
-    motion_guard_of,
-    place_or_none,
-    readable,
-    reflector_of,
-    require_environment,
-    require_joints,
-    require_length,
-    require_point,
-    require_pose,
-    require_some,
-    require_time,
-    settings_of,
 )
 
 Value = TypeVar("Value")
@@ -96,7 +57,7 @@ def _watched(
 class GuardedDevice:
     """A device behind its driver's name."""
 
-    def __init__(self, name: str, device: Device) -> None:
+    def __init__(self, name: str, device: api.Device) -> None:
         self._name = name
         self._device = device
         self._last_s: float | None = None  # time stamp of the last reading of this connection
@@ -125,24 +86,24 @@ class GuardedDevice:
             await self._device.close()
 
     @_watched
-    async def identify(self) -> DeviceIdentity:
+    async def identify(self) -> api.DeviceIdentity:
         """Ask the device who it is."""
-        return readable(await self._device.identify())
+        return plausibility.readable(await self._device.identify())
 
     def _stamp(self, time_s: float) -> None:
-        require_time(time_s, self._last_s)
+        plausibility.require_time(time_s, self._last_s)
         self._last_s = time_s
 
 
 class GuardedInstrument(GuardedDevice):
     """An instrument that is prepared before it measures."""
 
-    _device: PointTracker | PoseTracker
+    _device: api.PointTracker | api.PoseTracker
 
     @property
     def settings(self) -> str:
         """What it measures with; empty where the driver cannot tell."""
-        return settings_of(self._device)
+        return plausibility.settings_of(self._device)
 
     @_watched
     async def initialise(self) -> None:
@@ -153,20 +114,20 @@ class GuardedInstrument(GuardedDevice):
 class GuardedTracker(GuardedInstrument):
     """A tracker whose readings are judged."""
 
-    _device: PointTracker
+    _device: api.PointTracker
 
     @_watched
-    async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
+    async def find_reflector(self, near_mm: api.Vector, *, search_radius_mm: float) -> None:
         """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
         await self._device.find_reflector(near_mm, search_radius_mm=search_radius_mm)
 
     @_watched
-    async def measure_point(self, *, duration_s: float) -> TrackerReading:
+    async def measure_point(self, *, duration_s: float) -> api.TrackerReading:
         """Measure the reflector locked on; raises BeamBrokenError, ImplausibleReadingError."""
         reading = await self._device.measure_point(duration_s=duration_s)
         # Judged before its stamp is taken over: a reading that counts for nothing must not date the next
         # one.
-        require_point(reading)
+        plausibility.require_point(reading)
         self._stamp(reading.time_s)
         return reading
 
@@ -176,29 +137,29 @@ class GuardedTracker(GuardedInstrument):
         await self._device.change_face()
 
     @_watched
-    async def reflector_now(self) -> Vector | None:
+    async def reflector_now(self) -> api.Vector | None:
         """Return where the reflector is for people who look on; None also where the driver cannot tell."""
-        offered = reflector_of(self._device)
-        return None if offered is None else place_or_none(await offered())
+        offered = plausibility.reflector_of(self._device)
+        return None if offered is None else plausibility.place_or_none(await offered())
 
     @_watched
-    async def environment(self) -> Environment:
+    async def environment(self) -> api.Environment:
         """Read the weather station; raises ImplausibleReadingError."""
         air = await self._device.environment()
-        require_environment(air)
+        plausibility.require_environment(air)
         return air
 
 
 class GuardedPoseTracker(GuardedInstrument):
     """A tracker of poses whose readings are judged."""
 
-    _device: PoseTracker
+    _device: api.PoseTracker
 
     @_watched
-    async def measure_pose(self, *, duration_s: float) -> PoseReading:
+    async def measure_pose(self, *, duration_s: float) -> api.PoseReading:
         """Measure the artefact; raises ArtefactNotSeenError, OutOfVolumeError, ImplausibleReadingError."""
         reading = await self._device.measure_pose(duration_s=duration_s)
-        require_pose(reading)
+        plausibility.require_pose(reading)
         self._stamp(reading.time_s)
         return reading
 
@@ -206,9 +167,9 @@ class GuardedPoseTracker(GuardedInstrument):
 class GuardedRobot(GuardedDevice):
     """A robot whose statements are judged."""
 
-    _device: RobotController
+    _device: api.RobotController
 
-    def __init__(self, name: str, device: RobotController) -> None:
+    def __init__(self, name: str, device: api.RobotController) -> None:
         super().__init__(name, device)
         self._joints: int | None = None
 
@@ -221,12 +182,12 @@ class GuardedRobot(GuardedDevice):
             return False
 
     @property
-    def motion_guard(self) -> MotionGuard:
+    def motion_guard(self) -> api.MotionGuard:
         """What becomes of a motion when this program is gone; the worst where the driver cannot tell."""
-        return motion_guard_of(self._device)
+        return plausibility.motion_guard_of(self._device)
 
     @_watched
-    async def set_limits(self, limits: MotionLimits) -> None:
+    async def set_limits(self, limits: api.MotionLimits) -> None:
         """Set the speed limits of the following motions."""
         await self._device.set_limits(limits)
 
@@ -236,10 +197,10 @@ class GuardedRobot(GuardedDevice):
         await self._device.move_joints(target_rad)
 
     @_watched
-    async def read_joints(self) -> JointReading:
+    async def read_joints(self) -> api.JointReading:
         """Ask where the joints are; raises ImplausibleReadingError."""
         reading = await self._device.read_joints()
-        require_joints(reading, self._joints)
+        plausibility.require_joints(reading, self._joints)
         self._stamp(reading.time_s)
         # An arm does not change its number of joints, not even over connections: another number is
         # another arm, or half a frame.
@@ -250,22 +211,22 @@ class GuardedRobot(GuardedDevice):
 class GuardedBallbar(GuardedDevice):
     """A ballbar whose readings are judged."""
 
-    _device: Ballbar
+    _device: api.Ballbar
 
-    def __init__(self, name: str, device: Ballbar) -> None:
+    def __init__(self, name: str, device: api.Ballbar) -> None:
         super().__init__(name, device)
-        self._count = StandingCount()
+        self._count = plausibility.StandingCount()
 
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""
-        self._count = StandingCount()
+        self._count = plausibility.StandingCount()
         await super().connect()
 
     @_watched
-    async def read(self) -> BallbarReading:
+    async def read(self) -> api.BallbarReading:
         """Return the newest reading; raises ImplausibleReadingError."""
         reading = await self._device.read()
-        require_length(reading)
+        plausibility.require_length(reading)
         self._stamp(reading.time_s)
         self._count.require_going_on(reading)
         return reading
@@ -274,20 +235,20 @@ class GuardedBallbar(GuardedDevice):
 class GuardedGauge(GuardedDevice):
     """A box of linear gauges whose readings are judged; a gauge alone is a box of one."""
 
-    _device: LinearGauge
+    _device: api.LinearGauge
 
-    async def read(self) -> BallbarReading:
+    async def read(self) -> api.BallbarReading:
         """Return what the first gauge shows; raises ImplausibleReadingError."""
         return (await self.read_channels())[0]
 
     @_watched
-    async def read_channels(self) -> tuple[BallbarReading, ...]:
+    async def read_channels(self) -> tuple[api.BallbarReading, ...]:
         """Return what all gauges show; raises ImplausibleReadingError."""
         # One question for all gauges of a box, so that a length and its neighbours are of one moment.
-        readings = await channels_of(self._device)
-        require_some(readings)
+        readings = await plausibility.channels_of(self._device)
+        plausibility.require_some(readings)
         for reading in readings:
-            require_length(reading)
+            plausibility.require_length(reading)
             self._stamp(reading.time_s)
         return readings
 
@@ -295,10 +256,10 @@ class GuardedGauge(GuardedDevice):
 class GuardedHands(GuardedDevice):
     """The person at a simulated cell."""
 
-    _device: SimulatedHands
+    _device: api.SimulatedHands
 
     @_watched
-    async def do(self, action: str, details: Options) -> None:
+    async def do(self, action: str, details: api.Options) -> None:
         """Do one thing; raises DeviceRefusedError."""
         await self._device.do(action, details)
 
@@ -306,7 +267,7 @@ class GuardedHands(GuardedDevice):
 class GuardedClock:
     """A clock that does not run backwards unnoticed."""
 
-    def __init__(self, name: str, clock: Clock) -> None:
+    def __init__(self, name: str, clock: api.Clock) -> None:
         self._name = name
         self._clock = clock
         self._latest_s: float | None = None
@@ -317,7 +278,7 @@ class GuardedClock:
         try:
             now_s = float(await self._clock.now_s())
             self._latest_s = None  # a clock that began anew is told of once
-            require_time(now_s, before_s)
+            plausibility.require_time(now_s, before_s)
         except DriverError:
             self._latest_s = None
             raise
@@ -339,26 +300,26 @@ class GuardedClock:
     async def close(self) -> None:
         """Close the clock's connections where it has any; never raises."""
         with contextlib.suppress(Exception):
-            await cast(FullClock, self._clock).close()  # one that has none raises, too
+            await cast(api.FullClock, self._clock).close()  # one that has none raises, too
 
 
-def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyGuarded:
+def guarded(name: str, kind: api.DeviceKind, device: api.AnyDevice) -> api.AnyGuarded:
     """Return a device of driver `name` behind its guard."""
     match kind:
         case "tracker":
-            return GuardedTracker(name, cast(PointTracker, device))
+            return GuardedTracker(name, cast(api.PointTracker, device))
         case "pose_tracker":
-            return GuardedPoseTracker(name, cast(PoseTracker, device))
+            return GuardedPoseTracker(name, cast(api.PoseTracker, device))
         case "robot":
-            return GuardedRobot(name, cast(RobotController, device))
+            return GuardedRobot(name, cast(api.RobotController, device))
         case "ballbar":
-            return GuardedBallbar(name, cast(Ballbar, device))
+            return GuardedBallbar(name, cast(api.Ballbar, device))
         case "linear_gauge":
-            return GuardedGauge(name, cast(LinearGauge, device))
+            return GuardedGauge(name, cast(api.LinearGauge, device))
         case "hands":
-            return GuardedHands(name, cast(SimulatedHands, device))
+            return GuardedHands(name, cast(api.SimulatedHands, device))
         case "clock":
-            return GuardedClock(name, cast(Clock, device))
+            return GuardedClock(name, cast(api.Clock, device))
 
 
 def fault_of(name: str, what: str, error: Exception) -> DriverFaultError:

@@ -13,22 +13,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Final, TypeAlias
 
-from truepose_drivers.api import (
-    BallbarReading,
-    DeviceIdentity,
-    DeviceKind,
-    Environment,
-    GuardsMotion,
-    JointReading,
-    LinearGauge,
-    MotionGuard,
-    PoseReading,
-    ReadsChannels,
-    ShowsReflector,
-    StatesSettings,
-    TrackerReading,
-    Vector,
-)
+from truepose_drivers import api
 from truepose_drivers.errors import ImplausibleReadingError, RemoteProtocolError
 
 _FARTHEST_POINT_MM: Final = 200_000.0  # no tracker measures as far
@@ -42,7 +27,7 @@ _LONGEST_NAME: Final = 200
 _LONGEST_SENTENCE: Final = 2000
 
 
-def require_point(reading: TrackerReading) -> None:
+def require_point(reading: api.TrackerReading) -> None:
     """Judge a tracker's reading."""
     _require_place(reading.point_mm)
     spreads_mm = (*reading.standard_deviation_mm, reading.rms_mm)  # NaN where the instrument states none
@@ -57,7 +42,7 @@ def require_point(reading: TrackerReading) -> None:
         _require(_is_covariance(reading.covariance_mm2), f"the covariance {reading.covariance_mm2} mm2")
 
 
-def require_pose(reading: PoseReading) -> None:
+def require_pose(reading: api.PoseReading) -> None:
     """Judge a reading of position and orientation."""
     _require_place(reading.position_mm)
     length = math.hypot(*reading.quaternion)
@@ -72,7 +57,7 @@ def require_pose(reading: PoseReading) -> None:
     _require_duration(reading.duration_s)
 
 
-def require_joints(reading: JointReading, joints_before: int | None) -> None:
+def require_joints(reading: api.JointReading, joints_before: int | None) -> None:
     """Judge a robot's statement of its joints; `joints_before` is how many it stated last."""
     angles = reading.joints_rad
     _require(len(angles) > 0, "an arm without joints")
@@ -91,7 +76,7 @@ def require_joints(reading: JointReading, joints_before: int | None) -> None:
     )
 
 
-def require_length(reading: BallbarReading) -> None:
+def require_length(reading: api.BallbarReading) -> None:
     """Judge a reading of a ballbar or a gauge."""
     _require(reading.signal in _SIGNALS, f"the signal {reading.signal!r}")
     # Without a signal the deviation is NaN by agreement (see `BallbarReading`).
@@ -108,12 +93,12 @@ def require_length(reading: BallbarReading) -> None:
         _require_temperature(reading.temperature_c)
 
 
-def require_some(readings: Sequence[BallbarReading]) -> None:
+def require_some(readings: Sequence[api.BallbarReading]) -> None:
     """Judge how many gauges a box has."""
     _require(len(readings) > 0, "that it has no gauge")
 
 
-def require_environment(air: Environment) -> None:
+def require_environment(air: api.Environment) -> None:
     """Judge what a weather station says; NaN stands for what it does not measure."""
     _require_temperature(air.temperature_c)
     _require(
@@ -128,9 +113,9 @@ def require_time(time_s: float, before_s: float | None) -> None:
     _require(before_s is None or time_s >= before_s, f"the time {time_s} s after {before_s} s")
 
 
-def readable(identity: DeviceIdentity) -> DeviceIdentity:
+def readable(identity: api.DeviceIdentity) -> api.DeviceIdentity:
     """Return an identity in characters that a person can see and a database can keep."""
-    return DeviceIdentity(
+    return api.DeviceIdentity(
         _visible(identity.manufacturer),
         _visible(identity.model),
         _visible(identity.serial),
@@ -143,7 +128,7 @@ def readable_sentence(text: str) -> str:
     return _printable(text[:_LONGEST_SENTENCE])
 
 
-def place_or_none(point_mm: Vector | None) -> Vector | None:
+def place_or_none(point_mm: api.Vector | None) -> api.Vector | None:
     """Return a place that people look at; one where no reflector can be counts as none, and is no fault."""
     if point_mm is None:
         return None
@@ -159,7 +144,7 @@ def _printable(text: str) -> str:
     return "".join(character if character.isprintable() else "?" for character in text).strip()
 
 
-def _require_place(point_mm: Vector) -> None:
+def _require_place(point_mm: api.Vector) -> None:
     _require(_all_finite(point_mm), f"a point at {point_mm} mm")
     distance_mm = math.hypot(*point_mm)
     _require(
@@ -215,7 +200,7 @@ class StandingCount:
         self._sequence: int | None = None
         self._since_s = 0.0
 
-    def require_going_on(self, reading: BallbarReading) -> None:
+    def require_going_on(self, reading: api.BallbarReading) -> None:
         """Raise RemoteProtocolError for a count that has stood still for longer than a second."""
         if reading.sequence is None or reading.sequence != self._sequence:
             self._sequence, self._since_s = reading.sequence, reading.time_s
@@ -226,22 +211,22 @@ class StandingCount:
             )
 
 
-ABILITIES: Final[Mapping[DeviceKind, tuple[type, ...]]] = {
-    "tracker": (StatesSettings, ShowsReflector),
-    "pose_tracker": (StatesSettings,),
-    "robot": (GuardsMotion,),
-    "linear_gauge": (ReadsChannels,),
+ABILITIES: Final[Mapping[api.DeviceKind, tuple[type, ...]]] = {
+    "tracker": (api.StatesSettings, api.ShowsReflector),
+    "pose_tracker": (api.StatesSettings,),
+    "robot": (api.GuardsMotion,),
+    "linear_gauge": (api.ReadsChannels,),
 }
 _Joints: TypeAlias = tuple[float, ...]
-AskReflector: TypeAlias = Callable[[], Awaitable[Vector | None]]
+AskReflector: TypeAlias = Callable[[], Awaitable[api.Vector | None]]
 
 
-def motion_guard_of(driver: object) -> MotionGuard:
+def motion_guard_of(driver: object) -> api.MotionGuard:
     """Return what a robot's driver says of its motions; where it says nothing or nonsense, the worst."""
     stated = _stated(driver, "motion_guard")
     # A driver that says 0 s or a text here must not make motions seem safer than they are.
     plausible = (
-        isinstance(stated, MotionGuard)
+        isinstance(stated, api.MotionGuard)
         and all(
             seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
             for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
@@ -251,8 +236,8 @@ def motion_guard_of(driver: object) -> MotionGuard:
         )
         and _is_place(stated.speed_point_mm)
     )
-    if not (isinstance(stated, MotionGuard) and plausible):
-        return MotionGuard()
+    if not (isinstance(stated, api.MotionGuard) and plausible):
+        return api.MotionGuard()
     takes_s = stated.takes_s
     return stated if takes_s is None else replace(stated, takes_s=partial(_time_s, takes_s))
 
@@ -278,7 +263,7 @@ def reflector_of(driver: object) -> AskReflector | None:
     return getattr(driver, "reflector_now", None)
 
 
-async def channels_of(driver: LinearGauge) -> tuple[BallbarReading, ...]:
+async def channels_of(driver: api.LinearGauge) -> tuple[api.BallbarReading, ...]:
     """Return what all gauges of a box show; of a driver that knows no box, what its one gauge does."""
     read_channels = getattr(driver, "read_channels", None)
     return (await driver.read(),) if read_channels is None else await read_channels()
