@@ -155,20 +155,6 @@ async def test_a_motion_that_is_not_made_is_told(reply, error, complaint, keeps_
     assert robot.connected == keeps_link
 
 
-async def test_it_moves_again_after_connecting_again():
-    fake = FakeController(code_2=HANG_UP)
-    robot = await connected_robot(fake)
-    await robot.set_limits(FAST)
-    with pytest.raises(ConnectionLostError):
-        await robot.move_joints(TARGET)
-    fake.replies[2] = "2 1 "
-
-    await robot.connect()
-    await robot.move_joints(TARGET)
-
-    assert robot.connected
-
-
 async def test_a_bad_message_answer_is_a_refusal():
     robot = await connected_robot(FakeController(code_8="8 0 "))
 
