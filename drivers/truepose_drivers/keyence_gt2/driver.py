@@ -11,11 +11,11 @@ from truepose_drivers.line_gauges.conversation import (
     Ask,
     Display,
     LineGauges,
-    gauge_settings,
+    open_line_gauges,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.transports.conversation import Reader
-from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, serial_or_tcp
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing
 
 _PORT: Final = 64_000  # of the DL-EN1, as delivered
 _SETTLE_S: Final = 0.05  # the unit has its values at hand
@@ -67,11 +67,12 @@ def _display(amplifier: protocol.Amplifier) -> Display:
 
 def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
     on_network = {} if "serial" in options else {"port": _PORT}
-    return LineGauges(
-        serial_or_tcp({**on_network, **options}, _FACTORY, what="box"),
+    return open_line_gauges(
+        {**on_network, **options},
         clock,
         KeyenceUnit(),
-        gauge_settings(options, most_channels=protocol.MOST_AMPLIFIERS),
+        _FACTORY,
+        most_channels=protocol.MOST_AMPLIFIERS,
         settle_s=_SETTLE_S,
     )
 

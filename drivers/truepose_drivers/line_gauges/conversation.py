@@ -17,6 +17,7 @@ from truepose_drivers.line_gauges.protocol import (
 )
 from truepose_drivers.transports.conversation import Conversation, Reader
 from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
+from truepose_drivers.transports.serial import Framing, serial_or_tcp
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,3 +203,18 @@ class LineGauges(OnePortDevice, Generic[Message]):
             if await self._conversation.is_quiet():
                 return message
         raise LineGaugeError(f"{box} sends more than it is asked for: leave the keys of gauge and box alone")
+
+
+def open_line_gauges(
+    options: Options,
+    clock: Clock,
+    dialect: Dialect[Message],
+    factory: Framing,
+    *,
+    most_channels: int,
+    settle_s: float = _SETTLE_S,
+) -> LineGauges[Message]:
+    """Return the gauges of a cell file, whose box speaks `dialect`; raises ConfigurationError."""
+    link = serial_or_tcp(options, factory, what="box")
+    settings = gauge_settings(options, most_channels=most_channels)
+    return LineGauges(link, clock, dialect, settings, settle_s=settle_s)

@@ -9,12 +9,12 @@ from truepose_drivers.line_gauges.conversation import (
     Ask,
     Display,
     LineGauges,
-    gauge_settings,
+    open_line_gauges,
 )
 from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.mitutoyo_serial import protocol
 from truepose_drivers.transports.conversation import Reader
-from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing, serial_or_tcp
+from truepose_drivers.transports.serial import SERIAL_OPTIONS, Framing
 
 _FACTORY: Final = Framing(baud=9600, data_bits=8, parity="N", stop_bits=1)
 
@@ -51,12 +51,7 @@ def _display(reply: protocol.Reply, channel: int) -> Display:
 
 
 def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
-    return LineGauges(
-        serial_or_tcp(options, _FACTORY, what="box"),
-        clock,
-        MitutoyoBox(),
-        gauge_settings(options, most_channels=protocol.MOST_CHANNELS),
-    )
+    return open_line_gauges(options, clock, MitutoyoBox(), _FACTORY, most_channels=protocol.MOST_CHANNELS)
 
 
 PLUGIN = DriverPlugin(
