@@ -21,6 +21,7 @@ from pathlib import Path
 import httpx
 
 from tests.helpers.postgresql.server import own_server, programs
+from tests.studies.processes import cpu_s
 from tests.studies.running import leave, study_parser
 
 CORE = 0
@@ -65,11 +66,6 @@ def _service(url):
             yield process, json.loads(process.stdout.readline())["url"]
         finally:
             process.terminate()
-
-
-def _cpu_s(process):
-    ticks = Path(f"/proc/{process.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(ticks[11]) + int(ticks[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class _Client:
@@ -117,7 +113,7 @@ def _reading(series, number):
 def _round(process, clients, seconds, together):
     for client in clients:
         client.waits_s.clear()
-    load, cpu_s, before = os.getloadavg()[0], _cpu_s(process), sum(client.answered for client in clients)
+    load, used_s, before = os.getloadavg()[0], cpu_s(process.pid), sum(client.answered for client in clients)
     begun_s = time.perf_counter()
 
     async def all_of_them():
@@ -125,7 +121,7 @@ def _round(process, clients, seconds, together):
 
     asyncio.run(all_of_them())
     taken_s = time.perf_counter() - begun_s
-    cpu_s = _cpu_s(process) - cpu_s
+    used_s = cpu_s(process.pid) - used_s
     waits_ms = [1000 * wait_s for client in clients for wait_s in client.waits_s]
     quantiles = statistics.quantiles(waits_ms, n=100)
     return {
@@ -133,8 +129,8 @@ def _round(process, clients, seconds, together):
         "readings_per_s": (sum(client.answered for client in clients) - before) / taken_s,
         "p50_ms": quantiles[49],
         "p99_ms": quantiles[98],
-        "cpu_ms": 1000 * cpu_s / len(waits_ms),
-        "busy": cpu_s / taken_s,
+        "cpu_ms": 1000 * used_s / len(waits_ms),
+        "busy": used_s / taken_s,
         "load": load,
     }
 

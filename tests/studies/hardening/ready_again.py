@@ -7,11 +7,9 @@ and again. The last one lists readings from the beginning, the middle and the en
 
 import asyncio
 import json
-import os
 import statistics
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import httpx
 import numpy as np
@@ -19,6 +17,7 @@ import numpy as np
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.integration.web.bench import CELL, session_request
 from tests.studies.interruptions.killed_service import KilledService
+from tests.studies.processes import memory_mb
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
@@ -113,11 +112,6 @@ async def _median_ms(http, path):
     return statistics.median(took)
 
 
-def _memory_mb(service):
-    pages = int(Path(f"/proc/{service.pid}/statm").read_text(encoding="utf-8").split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
 async def ready_again(folder, readings, runs):
     """Kill and start again so often."""
     file = folder / "truepose.sqlite3"
@@ -136,13 +130,13 @@ async def ready_again(folder, readings, runs):
     try:
         longest_s, integrity = await _busy_while_checked(service)
         page_ms = await _listed(service, readings)
-        memory_mb = _memory_mb(service)
+        taken_mb = memory_mb(service.pid)
     finally:
         await service.kill()
     after_kills = tuple(ready_s[1:])
     p95_s = float(np.quantile(after_kills, 0.95, method="higher"))
     return Ready(
-        readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity, page_ms, memory_mb
+        readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity, page_ms, taken_mb
     )
 
 

@@ -19,6 +19,7 @@ from typing import Any, Final
 from playwright.sync_api import Page, sync_playwright
 
 from tests.browser.pages.shop import open_shop
+from tests.studies.processes import cpu_s
 from tests.studies.running import leave, study_options
 
 _SLOWER: Final = 4.0
@@ -56,8 +57,7 @@ def processes_ms() -> dict[str, int]:
     for pid, _, command in rows:
         kind = _PROCESS.search(command)
         if kind and pid in ours:
-            ticks = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[11:13]
-            spent[kind[1]] = spent.get(kind[1], 0) + 1000 * sum(map(int, ticks)) // os.sysconf("SC_CLK_TCK")
+            spent[kind[1]] = spent.get(kind[1], 0) + round(1000 * cpu_s(int(pid)))
     return spent
 
 

@@ -16,6 +16,7 @@ import httpx
 
 from tests.helpers.ports import free_port
 from tests.studies.plant_looks.rows import CELLS, name_of
+from tests.studies.processes import cpu_s, memory_mb
 
 _FIRST: Final = {
     "first page": "/",
@@ -32,7 +33,6 @@ _PAGES: Final = {
     "life of an instrument, REST": "/api/v1/plant/instruments/T-1",
 }
 _APART_S: Final = 2.5  # between two asks
-_TICKS_S: Final = os.sysconf("SC_CLK_TCK")
 
 
 @dataclass(frozen=True)
@@ -70,18 +70,18 @@ async def started(folder: Path, url: str, cells: Sequence[str], robots: int, ask
     try:
         assert process.stdout is not None
         at = json.loads(await process.stdout.readline())["url"]
-        ready_s, cpu_s = time.perf_counter() - begun_s, _cpu_s(process.pid)
+        ready_s, ready_cpu_s = time.perf_counter() - begun_s, cpu_s(process.pid)
         async with httpx.AsyncClient(base_url=at, trust_env=False, timeout=120) as http:
             first_ms = {
                 name: await _ms(http, path.format(robot=robots // 2)) for name, path in _FIRST.items()
             }
             then_ms = await _asked(http, f"{robots // 2}", asks)
             visited, links = await _visits(http)
-        memory_mb = _memory_mb(process.pid)
+        taken_mb = memory_mb(process.pid)
     finally:
         process.send_signal(signal.SIGTERM)
         await process.wait()
-    return Started(ready_s, cpu_s, first_ms, then_ms, visited, links, memory_mb, os.getloadavg()[0])
+    return Started(ready_s, ready_cpu_s, first_ms, then_ms, visited, links, taken_mb, os.getloadavg()[0])
 
 
 async def _asked(http: httpx.AsyncClient, robot: str, asks: int) -> dict[str, tuple[float, float]]:
@@ -105,13 +105,3 @@ async def _visits(http: httpx.AsyncClient) -> tuple[int, int]:
     visits = [cell["newest_visit"] for cell in cells if cell["newest_visit"]]
     whole = [visit for visit in visits if visit["outcome"] == "whole"]
     return len(visits), sum(visit["collected"] for visit in whole)
-
-
-def _cpu_s(process: int) -> float:
-    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / _TICKS_S
-
-
-def _memory_mb(process: int) -> float:
-    pages = int(Path(f"/proc/{process}/statm").read_text(encoding="utf-8").split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

@@ -7,17 +7,16 @@ import json
 import logging
 import sys
 import tempfile
-import time
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
-from statistics import median
 from types import SimpleNamespace
 
 import numpy as np
 import pinocchio
 from figaroh.calibration.base_calibration import BaseCalibration
 from figaroh.calibration.calibration_tools import calc_updated_fkm
+from repeated import timed
 
 _M_PER_MM = 1e-3
 _LIMIT = '<limit lower="-7" upper="7" effort="1" velocity="1"/>'  # none that matters
@@ -117,32 +116,16 @@ def _frames(robot, joints):
     return places / _M_PER_MM
 
 
-def _timed(work):
-    taken, busy = [], []
-    while len(taken) < 3 and sum(taken) < 30.0:
-        start, before = time.perf_counter(), time.process_time()
-        with redirect_stdout(StringIO()):
-            work()
-        taken.append(time.perf_counter() - start)
-        busy.append(time.process_time() - before)
-    return {
-        "median_s": median(taken),
-        "runs": len(taken),
-        "cpu_s": median(busy),
-        "least_cpu_s": min(busy),
-    }
-
-
 def main():
     """Print the times."""
     logging.disable(logging.CRITICAL)
     arrays = np.load(sys.argv[1])
     robot = _robot(arrays)
-    found = {"forward kinematics 10000": _timed(lambda: _frames(robot, arrays["joints_10000"]))}
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, redirect_stdout(StringIO()):
+        found = {"forward kinematics 10000": timed(lambda: _frames(robot, arrays["joints_10000"]))}
         for n in (50, 1000):
             task = _written(arrays, n, Path(folder))
-            found[f"bare solution {n}"] = _timed(lambda task=task: _identify(arrays, task))
+            found[f"bare solution {n}"] = timed(lambda task=task: _identify(arrays, task))
     sys.stdout.write(json.dumps(found))
 
 

@@ -5,14 +5,13 @@ Runs in an environment of its own: `pybotics_peer.py ARRAYS.npz` prints times [s
 
 import json
 import sys
-import time
-from statistics import median
 
 import numpy as np
 from pybotics.kinematic_chain import MDHKinematicChain
 from pybotics.optimization import OptimizationHandler, optimize_accuracy
 from pybotics.robot import Robot
 from pybotics.tool import Tool
+from repeated import timed
 from scipy.optimize import least_squares
 
 
@@ -38,28 +37,13 @@ def _identify(arrays, n):
     )
 
 
-def _timed(work):
-    taken, busy = [], []
-    while len(taken) < 3 and sum(taken) < 30.0:
-        start, before = time.perf_counter(), time.process_time()
-        work()
-        taken.append(time.perf_counter() - start)
-        busy.append(time.process_time() - before)
-    return {
-        "median_s": median(taken),
-        "runs": len(taken),
-        "cpu_s": median(busy),
-        "least_cpu_s": min(busy),
-    }
-
-
 def main():
     """Print the times."""
     arrays = np.load(sys.argv[1])
     robot = _robot(arrays)
-    found = {"forward kinematics 10000": _timed(lambda: [robot.fk(q) for q in arrays["joints_10000"]])}
+    found = {"forward kinematics 10000": timed(lambda: [robot.fk(q) for q in arrays["joints_10000"]])}
     for n in (50, 1000):
-        found[f"bare solution {n}"] = _timed(lambda n=n: _identify(arrays, n))
+        found[f"bare solution {n}"] = timed(lambda n=n: _identify(arrays, n))
     sys.stdout.write(json.dumps(found))
 
 

@@ -5,11 +5,10 @@ Runs in an environment of its own: `roboticstoolbox_peer.py ARRAYS.npz` prints t
 
 import json
 import sys
-import time
-from statistics import median
 
 import numpy as np
 import roboticstoolbox
+from repeated import timed
 
 
 def main():
@@ -19,18 +18,8 @@ def main():
         roboticstoolbox.RevoluteMDH(alpha=alpha, a=a / 1e3, offset=theta, d=d / 1e3)
         for alpha, a, theta, d in arrays["table"]
     ]
-    robot, taken, busy = roboticstoolbox.DHRobot(links), [], []
-    for _ in range(3):
-        start, before = time.perf_counter(), time.process_time()
-        robot.fkine(arrays["joints_10000"])
-        taken.append(time.perf_counter() - start)
-        busy.append(time.process_time() - before)
-    found = {
-        "median_s": median(taken),
-        "runs": len(taken),
-        "cpu_s": median(busy),
-        "least_cpu_s": min(busy),
-    }
+    robot = roboticstoolbox.DHRobot(links)
+    found = timed(lambda: robot.fkine(arrays["joints_10000"]))
     sys.stdout.write(json.dumps({"forward kinematics 10000": found}))
 
 
