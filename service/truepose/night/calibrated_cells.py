@@ -107,27 +107,23 @@ def calibrated_cells(seed: int) -> list[CalibratedCell]:
     return [*sound, *everyday, *cameras, wrong_axis_case(seed), wavy_gear_case(seed)]
 
 
-def shipped_case(
-    scenario: str, seed: int, calibration: int = _CALIBRATION, validation: int | None = None
-) -> CalibratedCell:
-    """Return the case of a shipped scenario; `validation` None: as many as its figures ask for."""
+def shipped_case(scenario: str, seed: int) -> CalibratedCell:
+    """Return the case of a shipped scenario."""
     tilted = scenario == "irb120-tilted"
-    amount = validation or (_FULL_VALIDATION if tilted else _SHORT_VALIDATION)
-    request = CellRequest(scenario, seed, calibration, amount, LARGEST_ERROR_MM)
+    validation = _FULL_VALIDATION if tilted else _SHORT_VALIDATION
+    request = CellRequest(scenario, seed, _CALIBRATION, validation, LARGEST_ERROR_MM)
     return CalibratedCell(scenario, request, _tilted_checks if tilted else _sound_checks)
 
 
-def everyday_case(
-    scenario: str, seed: int, calibration: int = _CALIBRATION, validation: int = _SHORT_VALIDATION
-) -> CalibratedCell:
+def everyday_case(scenario: str, seed: int) -> CalibratedCell:
     """Return the case of a robot as one meets it; `scenario` is shipped."""
-    request = CellRequest(scenario, seed, calibration, validation, _EVERYDAY_LARGEST_MM)
+    request = CellRequest(scenario, seed, _CALIBRATION, _SHORT_VALIDATION, _EVERYDAY_LARGEST_MM)
     return CalibratedCell(scenario, request, _everyday_checks)
 
 
-def camera_case(scenario: str, seed: int, validation: int = _SHORT_VALIDATION) -> CalibratedCell:
+def camera_case(scenario: str, seed: int) -> CalibratedCell:
     """Return the case of a robot before a camera, which tells poses; `scenario` is shipped."""
-    request = CellRequest(scenario, seed, _CAMERA_CALIBRATION, validation, _CAMERA_LARGEST_MM)
+    request = CellRequest(scenario, seed, _CAMERA_CALIBRATION, _SHORT_VALIDATION, _CAMERA_LARGEST_MM)
     return CalibratedCell(scenario, request, _camera_checks)
 
 
@@ -147,11 +143,9 @@ def wrong_axis_case(
     return CalibratedCell("irb120-wrong-axis", request, _wrong_axis_checks, text)
 
 
-def wavy_gear_case(
-    seed: int, calibration: int = _CALIBRATION, validation: int = _SHORT_VALIDATION
-) -> CalibratedCell:
+def wavy_gear_case(seed: int, validation: int = _SHORT_VALIDATION) -> CalibratedCell:
     """Return the case of a robot whose joint 6 has a wave, which the diagnosis is to name."""
-    request = CellRequest("irb120-clean", seed, calibration, validation)
+    request = CellRequest("irb120-clean", seed, _CALIBRATION, validation)
     return CalibratedCell("irb120-wavy-gear", request, _wavy_gear_checks, _WAVY_GEAR)
 
 

@@ -94,9 +94,9 @@ def change_of(before: Statistics, after: Statistics) -> str:
     return f"RMS {millimetres(before.rms_mm)} -> {millimetres(after.rms_mm)} mm"
 
 
-def count_text(number: int, one: str, many: str | None = None) -> str:
+def count_text(number: int, one: str) -> str:
     """Return a number of things: `no outlier`, `1 outlier`, `2 outliers`."""
-    return f"{number or 'no'} {one if number in {0, 1} else many or one + 's'}"
+    return f"{number or 'no'} {one if number in {0, 1} else one + 's'}"
 
 
 def rows_of(label: str, before: str, after: str, pair: NominalAndIdentified) -> Iterator[tuple[str, ...]]:

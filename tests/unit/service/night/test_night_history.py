@@ -23,10 +23,10 @@ FIRST = datetime(2026, 11, 1, 2, 17, tzinfo=UTC)
 KEY = ("cell", "error")
 
 
-def night(number, value=0.02, passed=True, label=""):
+def night(number, value=0.02, passed=True):
     figure = NightFigure(case=KEY[0], figure=KEY[1], passed=passed, value=value)
     began = FIRST + timedelta(days=number)
-    return Night(began=began, version="0.1.0", label=label, seed=number, figures=(figure,))
+    return Night(began=began, version="0.1.0", label="", seed=number, figures=(figure,))
 
 
 def nights(passed):

@@ -27,20 +27,20 @@ def sizes(mean_mm):
     )
 
 
-def proof(gain=12.0, interval=(10.0, 15.0), promised_mm=0.05, after_mm=0.05, cautions=()):
+def proof(gain=12.0, interval=(10.0, 15.0), promised_mm=0.05, cautions=()):
     rng = np.random.default_rng(1)
     target = rng.uniform(-300.0, 300.0, (N, 3))
     before, after = 0.3 * rng.standard_normal((N, 3)), 0.03 * rng.standard_normal((N, 3))
     return Proof(
-        before=sizes(gain * after_mm),
-        after=sizes(after_mm),
+        before=sizes(0.05 * gain),
+        after=sizes(0.05),
         gain=gain,
         gain_interval_95=interval,
         promised_mm=promised_mm,
         foretold_share=1.0,
         cautions=cautions,
-        before_relative=sizes(0.8 * gain * after_mm),
-        after_relative=sizes(0.8 * after_mm),
+        before_relative=sizes(0.04 * gain),
+        after_relative=sizes(0.04),
         errors=ProofErrors(np.arange(1, 2 * N, 2), np.ones(N, dtype=int), target, before, after),
     )
 
