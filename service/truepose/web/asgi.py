@@ -25,7 +25,7 @@ from truepose.web.middleware.rights import require_complete
 from truepose.web.middleware.routing import Routing, operations_of
 from truepose.web.middleware.security import SecurityMiddleware
 from truepose.web.openapi_examples import add_examples
-from truepose.web.resources import drop_null_of_parameters, exclude_zero_bytes_of_parameters
+from truepose.web.resources import correct_parameters
 
 Application: TypeAlias = FastAPI
 
@@ -135,8 +135,7 @@ def _complete_openapi(app: FastAPI) -> None:
             )
             schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
             schemas["Problem"] = problems.Problem.model_json_schema()
-            drop_null_of_parameters(app.openapi_schema)
-            exclude_zero_bytes_of_parameters(app.openapi_schema)
+            correct_parameters(app.openapi_schema)
             add_examples(app.openapi_schema)
         return app.openapi_schema
 

@@ -87,12 +87,14 @@ def _hint(unknown: str, known: tuple[str, ...]) -> Message:
     return message("refused.known_parameters", names=", ".join(known))
 
 
-def drop_null_of_parameters(document: dict[str, Any]) -> None:
-    """Let a document say of no parameter that it may be null: no address and no header can say that."""
+def correct_parameters(document: dict[str, Any]) -> None:
+    """Let a document say of parameters what is true of every one: never null, no zero byte in an address."""
     for methods in document["paths"].values():
         for operation in methods.values():
             for parameter in operation.get("parameters", []):
+                # No address and no header can say null.
                 parameter["schema"] = _without_null(parameter["schema"])
+                _exclude_zero_byte(parameter)
 
 
 def _without_null(schema: dict[str, Any]) -> dict[str, Any]:
@@ -111,15 +113,12 @@ _IN_ADDRESS: Final = {
 }
 
 
-def exclude_zero_bytes_of_parameters(document: dict[str, Any]) -> None:
-    """Let a document say of texts in an address what `middleware.limits` asks of every one: no zero byte."""
-    for methods in document["paths"].values():
-        for operation in methods.values():
-            for parameter in operation.get("parameters", []):
-                schema = parameter["schema"]
-                is_text = schema.get("type") == "string" and not schema.keys() & {"enum", "format"}
-                if parameter["in"] in {"path", "query"} and is_text and schema.get("pattern") in _IN_ADDRESS:
-                    schema["pattern"] = _IN_ADDRESS[schema.get("pattern")]
+def _exclude_zero_byte(parameter: dict[str, Any]) -> None:
+    """Let a text in an address be documented as `middleware.limits` wants every one."""
+    schema = parameter["schema"]
+    is_text = schema.get("type") == "string" and not schema.keys() & {"enum", "format"}
+    if parameter["in"] in {"path", "query"} and is_text and schema.get("pattern") in _IN_ADDRESS:
+        schema["pattern"] = _IN_ADDRESS[schema.get("pattern")]
 
 
 _PREFIX: Final = "/api/v1"

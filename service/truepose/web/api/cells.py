@@ -6,7 +6,7 @@ from pydantic import Field
 from truepose.domain.cell import Cell
 from truepose.sessions.devices import DeviceStatus
 from truepose.web.context import Endpoint, Here
-from truepose.web.resources import LIST, Counted, Name, problems, resource
+from truepose.web.resources import ACT, LIST, Counted, Name, listing, problems, resource
 from truepose.web.schemas import Point, Reply
 from truepose_drivers.api import DeviceKind
 
@@ -120,3 +120,30 @@ async def get_cell(here: Here, name: Name) -> CellReply:
     if name != here.cell.name:
         raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
     return cell_reply(here.cell, here.endpoints)
+
+
+devices_router = resource("/devices", tags=["devices"])
+
+
+@devices_router.get("", responses=listing(422))
+async def list_devices(here: Here, paging: Counted) -> list[DeviceReply]:
+    """List the devices and the state of their links."""
+    return paging.of(here.rack.statuses(), device_reply)
+
+
+@devices_router.get("/{name}", responses=problems(404, 422))
+async def get_device(here: Here, name: Name) -> DeviceReply:
+    """Show a device."""
+    return device_reply(here.rack.status(name))
+
+
+@devices_router.post("/{name}/connect", responses=ACT)
+async def connect_device(here: Here, name: Name) -> DeviceReply:
+    """Open the link to a device and ask it who it is; 503 with a sentence where it does not answer."""
+    return device_reply(await here.rack.connect(name))
+
+
+@devices_router.post("/{name}/disconnect", responses=problems(404, 409, 422))
+async def disconnect_device(here: Here, name: Name) -> DeviceReply:
+    """Close the link to a device; refused while a session holds it."""
+    return device_reply(await here.rack.disconnect(name))

@@ -9,7 +9,6 @@ from typing import Any, Final, get_args
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.domain.robot import Robot
 from truepose.exchange.import_wizard.dialogue import Asked, DetectedFile, Question, Understood
 from truepose.exchange.import_wizard.headings import AXES, QUANTITIES, ColumnMeaning
 from truepose.exchange.robots.named import list_robots, load_robot
@@ -137,8 +136,7 @@ def _questions(draft: Draft, found: Understood) -> list[Question]:
 
 
 def _robots() -> list[Choice]:
-    robots: list[tuple[str, Robot]] = [(name, load_robot(name)) for name in list_robots()]
-    return [Choice(name, robot.name) for name, robot in robots]
+    return [Choice(name, load_robot(name).name) for name in list_robots()]
 
 
 def _meanings(words: Catalogue) -> list[Choice]:

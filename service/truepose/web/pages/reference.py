@@ -14,10 +14,9 @@ from fastapi.responses import HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.messages.error_codes import CODES, explain
-from truepose.web.pages.rendering import Visited, file_response
+from truepose.web.pages.rendering import MEDIA_TYPES, Visited, file_response
 
 router = APIRouter(include_in_schema=False)
-_MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parents[1] / "static"
 
 
@@ -34,7 +33,7 @@ async def report_style(request: Request) -> Response:
     """Send the style of reports, which a report in a file carries within it."""
     from truepose.reports.pages import page_styles
 
-    return file_response(request, page_styles().encode(), _MEDIA[".css"])
+    return file_response(request, page_styles().encode(), MEDIA_TYPES[".css"])
 
 
 @router.get("/static/tokens.css", response_class=Response)
@@ -42,7 +41,7 @@ async def colours(request: Request) -> Response:
     """Send the colours of everything that is shown."""
     from truepose.reports.pages import page_tokens
 
-    return file_response(request, page_tokens().encode(), _MEDIA[".css"])
+    return file_response(request, page_tokens().encode(), MEDIA_TYPES[".css"])
 
 
 @router.get("/static/{name}", response_class=Response)
@@ -51,7 +50,7 @@ async def static_file(request: Request, name: str) -> Response:
     # Compared with what is there, and only then joined to the folder: no name leads out of it.
     if name not in {path.name for path in _STATIC.iterdir() if path.is_file()}:  # one segment of the path
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    return file_response(request, (_STATIC / name).read_bytes(), _MEDIA[Path(name).suffix])
+    return file_response(request, (_STATIC / name).read_bytes(), MEDIA_TYPES[Path(name).suffix])
 
 
 def _operations(document: dict[str, Any]) -> Any:
@@ -88,8 +87,7 @@ def _schema_names(schema: Any) -> list[str]:
     return []
 
 
-_TYPES: Final = {".js": "text/javascript", ".css": "text/css"}
-_BUNDLES: Final = Path(__file__).parents[1] / "static" / "packages"
+_BUNDLES: Final = _STATIC / "packages"
 
 
 @router.get("/static/packages/{name}", response_class=Response)
@@ -98,7 +96,7 @@ async def package_file(name: str, request: Request) -> Response:
     found = next((path for path in _BUNDLES.glob("*.*s") if path.name == name), None)
     if found is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    media_type = _TYPES[found.suffix]
+    media_type = MEDIA_TYPES[found.suffix]
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return file_response(request, found.read_bytes(), media_type, {"Vary": "Accept-Encoding"})
     packed = found.with_name(f"{name}.gz").read_bytes()

@@ -29,6 +29,7 @@ from truepose.web.context import Context, Here
 from truepose.web.middleware.language import wanted_words
 from truepose.web.middleware.rights import current_request, may_ask
 
+MEDIA_TYPES: Final = {".css": "text/css", ".js": "text/javascript"}  # of what pages load, by its ending
 _COMPRESSED: Final = ("text/", "application/json")  # on their way: the same tag stands for both forms
 
 

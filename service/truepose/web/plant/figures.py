@@ -55,7 +55,11 @@ def draw_fleet(asked: FleetDrawing) -> bytes:
     report = FleetReport(found.account, asked.robot, asked.limit_mm, without, language=asked.tag)
     words = catalogue(asked.tag)
     computed = words.say("fleet.computed", moment=asked.computed_at)
-    parts = (_simulated(words) if found.simulated else "", report.content(), _muted(computed))
+    parts = (
+        _simulated(words) if found.simulated else "",
+        report.content(),
+        f'<p class="muted">{computed}</p>',
+    )
     newest = max(one.seen.id for one in asked.campaigns)
     told = foretold(found.account, asked.robot, newest, LIMIT_MM, asked.computed_at)
     return b"\n".join((to_bytes(told), "".join(parts).encode()))
@@ -64,10 +68,6 @@ def draw_fleet(asked: FleetDrawing) -> bytes:
 def _simulated(words: "Catalogue") -> str:
     said = words.say("page.simulated"), words.say("page.simulated.meaning")
     return f'<p role="note"><strong>{said[0]}</strong> {said[1]}</p>'
-
-
-def _muted(said: str) -> str:
-    return f'<p class="muted">{said}</p>'
 
 
 _BAND: Final = 1.96  # standard uncertainties of 95 %

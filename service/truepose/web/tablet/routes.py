@@ -20,12 +20,11 @@ from truepose.storage.errors import NotFoundError
 from truepose.web.api.sessions.kind import KindOfSession
 from truepose.web.api.sessions.kinds import kind_of
 from truepose.web.context import Context
-from truepose.web.pages.rendering import Visited, file_response
+from truepose.web.pages.rendering import MEDIA_TYPES, Visited, file_response
 
 router = APIRouter(include_in_schema=False)
 _HERE: Final = Path(__file__).parent
 _STATIC: Final = _HERE / "static"
-_TYPES: Final = {".js": "text/javascript", ".css": "text/css"}
 _FILES: Final = {path.relative_to(_STATIC).as_posix(): path for path in _STATIC.glob("*/*.*")}
 _TEXTS: Final = {"common": TABLET, "tracker": TRACKER_TABLET}
 
@@ -70,4 +69,4 @@ async def tablet_file(request: Request, name: str) -> Response:
     file = _FILES.get(name)
     if file is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    return file_response(request, file.read_bytes(), _TYPES[file.suffix])
+    return file_response(request, file.read_bytes(), MEDIA_TYPES[file.suffix])

@@ -1,10 +1,13 @@
-"""The faults of a simulated cell, given by hand."""
+"""What a simulated cell is told by hand: what goes wrong in it, and what the person in it does."""
 
 from typing import Annotated, Any, Literal
 
 from fastapi import status
 from pydantic import Field
 
+from truepose.sessions.simulated import ACTIONS
+from truepose.web.api.sessions.ballbar_replies import HandsReply
+from truepose.web.api.sessions.ballbar_requests import HandsRequest
 from truepose.web.context import Here
 from truepose.web.resources import Id, problems, resource
 from truepose.web.schemas import Number, PersonName, Reply, Request, example, whole
@@ -129,3 +132,21 @@ async def give_fault(here: Here, wanted: FaultRequest) -> FaultGivenReply:
 async def end_fault(here: Here, id: Id, who: EndFaultRequest) -> None:
     """End a fault now, whatever it waits for."""
     await here.faults_desk.end(who.person, id)
+
+
+hands_router = resource("/simulated-hands", tags=["simulated hands"])
+
+
+@hands_router.get("")
+async def get_hands(here: Here) -> HandsReply:
+    """Say what the simulated hands can do; nothing on a real cell."""
+    desk = here.hands_desk
+    return HandsReply(
+        simulated=desk.simulated, actions=list(ACTIONS) if desk.simulated else [], holding=desk.holding
+    )
+
+
+@hands_router.post("", status_code=status.HTTP_204_NO_CONTENT, responses=_ACT)
+async def use_hands(here: Here, wanted: HandsRequest) -> None:
+    """Let the simulated hands do one thing; 409 with a sentence where that cannot be done now."""
+    await here.hands_desk.do(wanted.action, wanted.details())
