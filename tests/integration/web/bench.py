@@ -2,6 +2,9 @@
 
 import asyncio
 
+from tests.helpers.domain.builders import make_campaign
+from tests.helpers.web.clients import command
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose_drivers.api import (
     BallbarReading,
     DeviceIdentity,
@@ -196,3 +199,40 @@ def stops(n):
 def session_request(n=3, **changes):
     given = {"name": "left arm", "role": "calibration", "plan": {"method": "given", "stops": stops(n)}}
     return {**given, "registration_readings": 2, **changes}
+
+
+SESSIONS = "/api/v1/sessions"
+ZIP = {"Content-Type": "application/zip"}
+
+
+async def planned(client, n=3, **changes):
+    """Plan a session and return its path."""
+    answer = await client.post(SESSIONS, json=session_request(n, **changes))
+    assert answer.status_code == 201, answer.text
+    return answer.headers["Location"]
+
+
+async def begun(client, n=3, **changes):
+    """Return the path of a session that a person has let begin."""
+    path = await planned(client, n, **changes)
+    await command(client, path, "start")
+    await command(client, path, "confirm")
+    return path
+
+
+async def measured(client, until, n=3, **changes):
+    """Return the path of a session that has finished."""
+    path = await begun(client, n, **changes)
+    await until(path, "state", "finished")
+    return path
+
+
+def number_of(path):
+    """Return the number of a record at the end of its address."""
+    return int(path.rsplit("/", 1)[1])
+
+
+async def uploaded(client, **changes):
+    """Bring a campaign and return its number."""
+    archive = write_campaign_zip(make_campaign(**changes))
+    return (await client.post("/api/v1/campaigns", content=archive, headers=ZIP)).json()["id"]
