@@ -1,6 +1,7 @@
 """A ballbar session on the bench: a plan that harms nobody, and a tablet that presses buttons."""
 
 from tests.helpers.web.clients import ANSWERS, prompt_id
+from tests.integration.web.bench import SESSIONS
 
 BALLBAR = """
 [ballbar]
@@ -14,7 +15,6 @@ driver = "fake_ballbar"
 name = "hands"
 driver = "fake_hands"
 """
-SESSIONS = "/api/v1/sessions"
 PLACEMENT = {
     "x_mm": 350.0,
     "y_mm": 0.0,

@@ -37,9 +37,15 @@ def bench():
 
 
 @pytest.fixture
-def settings(tmp_path, database_url):
+def cell_text():
+    """The cell file; modules about other cells say which."""
+    return CELL
+
+
+@pytest.fixture
+def settings(tmp_path, database_url, cell_text):
     cell_file = tmp_path / "cell.toml"
-    cell_file.write_text(CELL)
+    cell_file.write_text(cell_text)
     return Settings(database_url=database_url, cell_file=cell_file)
 
 

@@ -11,15 +11,13 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.machine import HANGS_S
-from tests.helpers.web.clients import command
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import ZIP, measured, number_of, planned
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
 from truepose.analysis.job_queue.tasks import stored_campaign
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 CAMPAIGNS = "/api/v1/campaigns"
-ZIP = {"Content-Type": "application/zip"}
 
 
 @pytest.fixture
@@ -33,13 +31,6 @@ def zipped(**files):
         for name, text in files.items():
             archive.writestr(name.replace("__", "."), text)
     return stream.getvalue()
-
-
-async def measured(client, until, role):
-    path = (await client.post("/api/v1/sessions", json=session_request(role=role))).headers["Location"]
-    await command(client, path, "start")
-    await command(client, path, "confirm")
-    return await until(path, "state", "finished")
 
 
 async def test_an_upload_comes_back_byte_for_byte(client):
@@ -153,49 +144,41 @@ async def test_a_form_without_a_file_is_refused(client):
 
 
 async def test_a_session_becomes_a_campaign_that_can_be_read(client, until):
-    calibration = await measured(client, until, "calibration")
-    validation = await measured(client, until, "validation")
+    path = await measured(client, until)
+    validation = number_of(await measured(client, until, role="validation"))
 
     made = await client.post(
-        f"/api/v1/sessions/{calibration['id']}/campaign",
-        json={"name": "left arm", "validation_session_id": validation["id"]},
+        f"{path}/campaign", json={"name": "left arm", "validation_session_id": validation}
     )
     archive = (await client.get(made.json()["archive_url"])).content
     campaign = read_campaign_zip(archive)
 
     assert made.status_code == 201, made.text
-    assert made.json()["session_ids"] == [calibration["id"], validation["id"]]
+    assert made.json()["session_ids"] == [number_of(path), validation]
     assert (len(campaign.calibration), len(campaign.validation)) == (3, 3)
     assert campaign.registration is not None
     assert len(campaign.reference) >= 6  # three nests, before and after
 
 
 async def test_a_worker_is_handed_the_digits_of_the_readings_and_a_folder_rounds_them(client, until, app):
-    calibration = await measured(client, until, "calibration")
-    made = await client.post(f"/api/v1/sessions/{calibration['id']}/campaign", json={"name": "left arm"})
+    path = await measured(client, until)
+    made = await client.post(f"{path}/campaign", json={"name": "left arm"})
     readings = (await client.get("/api/v1/readings", params={"kind": "point"})).json()
 
     handed = stored_campaign(await app.state.context.campaigns.content(made.json()["id"])).calibration
-    folder = read_campaign_zip((await client.get(made.json()["archive_url"])).content).calibration
+    first, again = [(await client.get(made.json()["archive_url"])).content for _ in range(2)]
+    folder = read_campaign_zip(first).calibration
 
+    assert again == first
     assert handed.position_mm.tolist() == [reading["position_world_mm"] for reading in readings]
     np.testing.assert_allclose(folder.position_mm, handed.position_mm, rtol=0, atol=0.5001e-5)
     assert folder.stops.config.tolist() == handed.stops.config.tolist()
 
 
-async def test_the_same_archive_is_written_each_time(client, until):
-    calibration = await measured(client, until, "calibration")
-    made = await client.post(f"/api/v1/sessions/{calibration['id']}/campaign", json={"name": "left arm"})
-
-    first, second = [(await client.get(made.json()["archive_url"])).content for _ in range(2)]
-
-    assert first == second
-
-
 async def test_readings_kept_for_validation_never_identify(client, until):
-    validation = await measured(client, until, "validation")
+    path = await measured(client, until, role="validation")
 
-    refused = await client.post(f"/api/v1/sessions/{validation['id']}/campaign", json={"name": "left arm"})
+    refused = await client.post(f"{path}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
     assert "The readings of session 1 are for validation and must not identify" in refused.json()["detail"]
@@ -203,32 +186,30 @@ async def test_readings_kept_for_validation_never_identify(client, until):
 
 
 async def test_a_session_does_not_judge_the_model_that_it_identifies(client, until):
-    number = (await measured(client, until, "calibration"))["id"]
-    wanted = {"name": "left arm", "validation_session_id": number}
+    path = await measured(client, until)
+    wanted = {"name": "left arm", "validation_session_id": number_of(path)}
 
-    refused = await client.post(f"/api/v1/sessions/{number}/campaign", json=wanted)
+    refused = await client.post(f"{path}/campaign", json=wanted)
 
     assert refused.status_code == 409
     assert "cannot validate the model that it identifies" in refused.json()["detail"]
 
 
 async def test_a_session_that_never_ran_makes_no_campaign(client):
-    path = (await client.post("/api/v1/sessions", json=session_request())).headers["Location"]
-
-    refused = await client.post(f"{path}/campaign", json={"name": "left arm"})
+    refused = await client.post(f"{await planned(client)}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
     assert refused.json()["detail"] == "Session 1 has no readings of a tool nest; run it first."
 
 
 async def test_sessions_named_in_json_make_a_campaign(client, until):
-    session = await measured(client, until, "calibration")
+    number = number_of(await measured(client, until))
 
-    stored = await client.post(CAMPAIGNS, json={"name": "mine", "session_ids": [session["id"]]})
+    stored = await client.post(CAMPAIGNS, json={"name": "mine", "session_ids": [number]})
 
     assert stored.status_code == 201, stored.text
-    assert stored.json()["session_ids"] == [session["id"]]
-    assert stored.json()["calibration_points"] == session["measured"]
+    assert stored.json()["session_ids"] == [number]
+    assert stored.json()["calibration_points"] == 3
 
 
 @pytest.mark.parametrize(

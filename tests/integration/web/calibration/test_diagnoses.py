@@ -3,26 +3,18 @@
 import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_unexplained
-from tests.helpers.domain.builders import make_campaign, make_robot
-from tests.helpers.web.clients import command
-from tests.integration.web.bench import CELL, Bench, session_request
+from tests.helpers.domain.builders import make_robot
+from tests.integration.web.bench import CELL, Bench, begun, measured, planned, uploaded
 from tests.integration.web.diagnosing import Diagnostician, served
 from truepose.analysis.job_queue.tasks import stored_campaign
-from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.results.diagnosis import diagnosis_document
 
 DIAGNOSES = "/api/v1/diagnoses"
-ZIP = {"Content-Type": "application/zip"}
 
 
 @pytest.fixture
 def worker():
     return Diagnostician()
-
-
-async def uploaded(client, **changes):
-    archive = write_campaign_zip(make_campaign(**changes))
-    return (await client.post("/api/v1/campaigns", content=archive, headers=ZIP)).json()["id"]
 
 
 @pytest.fixture
@@ -190,16 +182,8 @@ async def test_what_is_not_there_cannot_be_diagnosed(client):
     assert diagnosis.json()["detail"] == "There is no diagnosis 9."
 
 
-async def measured_session(client, until, **changes):
-    path = (await client.post("/api/v1/sessions", json=session_request(**changes))).headers["Location"]
-    await command(client, path, "start")
-    await command(client, path, "confirm")
-    await until(path, "state", "finished")
-    return path
-
-
 async def test_the_readings_of_a_session_are_diagnosed_and_dated_by_the_last_of_them(client, until):
-    path = await measured_session(client, until)
+    path = await measured(client, until)
 
     asked = await client.post(f"{path}/diagnosis", json={})
     job = await until(asked.headers["Location"], "state", "succeeded", "failed")
@@ -212,9 +196,7 @@ async def test_the_readings_of_a_session_are_diagnosed_and_dated_by_the_last_of_
 
 
 async def test_a_session_that_still_runs_is_diagnosed_with_what_it_has(client, bench, until, worker):
-    path = (await client.post("/api/v1/sessions", json=session_request(n=60))).headers["Location"]
-    await command(client, path, "start")
-    await command(client, path, "confirm")
+    path = await begun(client, n=60)
     await until(path, "measured", *range(1, 60))
     bench.robot.gate.clear()  # the next motion does not end before the diagnosis has
 
@@ -223,22 +205,20 @@ async def test_a_session_that_still_runs_is_diagnosed_with_what_it_has(client, b
     state = (await client.get(path)).json()["state"]
     bench.robot.gate.set()
 
-    measured = stored_campaign(worker.tasks[0].campaign).calibration
+    readings = stored_campaign(worker.tasks[0].campaign).calibration
     assert state == "running"
-    assert 1 <= len(measured) < 60
+    assert 1 <= len(readings) < 60
 
 
 async def test_a_session_without_readings_has_nothing_to_diagnose(client):
-    path = (await client.post("/api/v1/sessions", json=session_request())).headers["Location"]
-
-    refused = await client.post(f"{path}/diagnosis", json={})
+    refused = await client.post(f"{await planned(client)}/diagnosis", json={})
 
     assert refused.status_code == 409
     assert "run it first" in refused.json()["detail"]
 
 
 async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
-    path = await measured_session(client, until, role="validation")
+    path = await measured(client, until, role="validation")
 
     refused = await client.post(f"{path}/diagnosis", json={})
 
@@ -247,7 +227,7 @@ async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
 
 
 async def test_a_diagnosis_asked_twice_with_one_key_runs_once(client, until):
-    path, key = await measured_session(client, until), {"Idempotency-Key": "d-1"}
+    path, key = await measured(client, until), {"Idempotency-Key": "d-1"}
 
     first = await client.post(f"{path}/diagnosis", json={}, headers=key)
     await until(first.headers["Location"], "state", "succeeded")
@@ -264,7 +244,7 @@ async def test_robots_with_two_serial_numbers_are_not_compared_with_each_other(s
         bench = Bench()
         bench.robot.serial = serial
         async with served(settings, bench, worker) as (client, until):
-            path = await measured_session(client, until)
+            path = await measured(client, until)
             asked = await client.post(f"{path}/diagnosis", json={})
             await until(asked.headers["Location"], "state", "succeeded")
             robot = (await client.get(DIAGNOSES)).json()[0]["robot"]

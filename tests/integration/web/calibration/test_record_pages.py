@@ -104,26 +104,19 @@ async def test_a_job_that_is_done_leads_to_what_it_made(client):
     assert 'data-goes="/identifications/1"' in reply.text
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        "/sessions",
-        "/campaigns",
-        "/identifications",
-        "/validations",
-        "/models",
-        "/diagnoses",
-        "/jobs",
-        "/corrections",
-    ],
-)
-@pytest.mark.parametrize("number", ["999", "0", "x", "9" * 40])
-async def test_an_address_of_nothing_is_answered_by_a_page_that_leads_on(client, path, number):
-    reply = await client.get(f"{path}/{number}")
+_KINDS = (
+    "sessions", "campaigns", "identifications", "validations", "models", "diagnoses", "jobs", "corrections",
+)  # fmt: skip
 
-    assert reply.status_code == 404
-    assert "Page not found" in Page(reply.text).text
-    assert "/work" in links(reply)
+
+@pytest.mark.parametrize("number", ["999", "0", "x", "9" * 40, "٣"])
+async def test_an_address_of_nothing_is_answered_by_a_page_that_leads_on(client, number):
+    for kind in _KINDS:
+        reply = await client.get(f"/{kind}/{number}")
+
+        assert reply.status_code == 404, kind
+        assert "Page not found" in Page(reply.text).text, kind
+        assert "/work" in links(reply), kind
 
 
 async def test_the_work_lists_everything_and_finds_by_the_words_of_the_page(client):

@@ -4,12 +4,11 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.web.clients import command
-from tests.integration.web.bench import Bench, session_request
+from tests.integration.web.bench import SESSIONS, Bench, measured, planned
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
 from truepose.analysis.job_queue.tasks import stored_campaign
 
-SESSIONS = "/api/v1/sessions"
 MORE = {
     "person": "Ada",
     "configurations": [{"joints_deg": [float(k), 42.0, -25.0, 0.0, 30.0, 0.0], "nest": 1} for k in (1, 2)],
@@ -25,10 +24,6 @@ def worker():
 async def client(settings, bench, worker):
     async with served(settings, bench, worker) as (opened, _):
         yield opened
-
-
-async def planned(client, n=3):
-    return (await client.post(SESSIONS, json=session_request(n))).headers["Location"]
 
 
 async def confirmed(client, path, question):
@@ -121,10 +116,7 @@ async def test_two_additions_take_different_numbers(client):
 
 
 async def test_a_session_that_has_ended_takes_no_more(client, until):
-    path = await planned(client)
-    await command(client, path, "start")
-    await command(client, path, "confirm")
-    await until(path, "state", "finished")
+    path = await measured(client, until)
 
     refused = await client.post(f"{path}/configurations", json=MORE)
 
@@ -191,10 +183,7 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
 
 
 async def test_it_is_judged_by_the_same_validation_session_again(client, until, bench):
-    kept = (await client.post(SESSIONS, json=session_request(role="validation"))).headers["Location"]
-    await command(client, kept, "start")
-    await confirmed(client, kept, "Is the cell clear")
-    await until(kept, "state", "finished")
+    await measured(client, until, role="validation")
     path = await diagnosed_so_far(client, until, bench, validation_session_id=1)
 
     await client.post(f"{path}/configurations", json={**MORE, "diagnosis_id": 1})
@@ -208,10 +197,7 @@ async def test_it_is_judged_by_the_same_validation_session_again(client, until, 
 
 
 async def test_a_session_to_which_nothing_was_added_is_not_diagnosed_by_itself(client, until, worker):
-    path = await planned(client)
-    await command(client, path, "start")
-    await confirmed(client, path, "Is the cell clear")
-    await until(path, "state", "finished")
+    await measured(client, until)
 
     assert (await client.get("/api/v1/jobs")).json() == []
 

@@ -22,9 +22,8 @@ def worker():
 
 
 @pytest.fixture
-def settings(settings):
-    settings.cell_file.write_text(CELL + BALLBAR)
-    return settings
+def cell_text():
+    return CELL + BALLBAR
 
 
 async def planned(client, path, wanted):

@@ -8,7 +8,6 @@ from tests.helpers.web.clients import command, until
 from tests.integration.web.bench import Bench, session_request, stops
 from tests.unit.service.sessions.tracker.test_camera_sessions import FakeCamera
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
-from truepose.settings import Settings
 from truepose_drivers.api import DriverPlugin
 from truepose_drivers.registry import DriverRegistry
 
@@ -62,10 +61,8 @@ def bench():
 
 
 @pytest.fixture
-def settings(tmp_path, database_url):
-    cell_file = tmp_path / "cell.toml"
-    cell_file.write_text(CELL)
-    return Settings(database_url=database_url, cell_file=cell_file)
+def cell_text():
+    return CELL
 
 
 def wanted(n=3):

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.helpers.web.clients import command
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import measured, planned
 
 REASON = "The laboratory returns the report on Monday; the scale bar was measured today."
 
@@ -11,12 +11,7 @@ REASON = "The laboratory returns the report on Monday; the scale bar was measure
 @pytest.fixture
 async def finished(client, until):
     """A session that has finished; the bench's tracker has a certificate without a day of expiry."""
-    answer = await client.post("/api/v1/sessions", json=session_request(n=3))
-    path = answer.headers["Location"]
-    await command(client, path, "start")
-    await command(client, path, "confirm")
-    await until(path, "state", "finished")
-    return path
+    return await measured(client, until)
 
 
 async def close(client, path, **changes):
@@ -56,8 +51,7 @@ async def test_who_claims_nothing_needs_no_certificate(client, finished):
 
 
 async def test_what_did_not_finish_is_not_closed_as_calibrated(client):
-    answer = await client.post("/api/v1/sessions", json=session_request(n=3))
-    path = answer.headers["Location"]
+    path = await planned(client)
 
     going_on = await close(client, path, reason=REASON)
     await command(client, path, "abort")

@@ -7,7 +7,6 @@ import pytest
 from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import CELL, FakeLink
 from tests.integration.web.contact_bench import GAUGE, WIRE
-from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading, DriverPlugin
 from truepose_drivers.registry import DriverRegistry
 
@@ -33,10 +32,8 @@ def wire(bench, monkeypatch):
 
 
 @pytest.fixture
-def settings(request, tmp_path, database_url):
-    cell_file = tmp_path / "cell.toml"
-    cell_file.write_text(CELL + (GAUGE if "wire" in request.fixturenames else ""))
-    return Settings(database_url=database_url, cell_file=cell_file)
+def cell_text(request):
+    return CELL + (GAUGE if "wire" in request.fixturenames else "")
 
 
 async def test_a_session_is_planned_asked_for_run_and_made_a_campaign_of(wire, bench, client, until):

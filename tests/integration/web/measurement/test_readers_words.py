@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import text
 
 from tests.helpers.web.clients import command
-from tests.integration.web.measurement.test_sessions import planned
+from tests.integration.web.bench import planned
 from truepose.messages.catalogue import catalogue
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.storage.tables import session_states

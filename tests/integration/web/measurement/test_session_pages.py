@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.web.clients import command
 from tests.helpers.web.pages import Page
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import measured, number_of, planned
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.web.pages.session_results import models_of
 
@@ -20,13 +19,7 @@ def session(client, until):
     async def measure(**wanted):
         for device in ("tracker", "robot"):
             await client.post(f"/api/v1/devices/{device}/connect")
-        planned = await client.post("/api/v1/sessions", json=session_request(**wanted))
-        path = planned.headers["Location"]
-        await command(client, path, "start")
-        await until(path, "state", "awaiting_confirmation")
-        await command(client, path, "confirm", person="Ada Byron")
-        await until(path, "state", "finished")
-        return int(path.rsplit("/", 1)[1])
+        return number_of(await measured(client, until, **wanted))
 
     return measure
 
@@ -48,10 +41,10 @@ async def test_the_list_leads_to_each_session_and_to_the_results_that_there_are(
 
 async def test_a_finished_session_leads_to_its_result_and_a_planned_one_waits_for_a_person(client, session):
     finished = await session(role="validation")
-    planned = await client.post("/api/v1/sessions", json=session_request(role="validation"))
+    path = await planned(client, role="validation")
 
     shown = await client.get(f"/sessions/{finished}")
-    waiting = await client.get(planned.headers["Location"].removeprefix("/api/v1"))
+    waiting = await client.get(path.removeprefix("/api/v1"))
 
     assert f"/sessions/{finished}/result" in links(shown)
     assert "Every configuration was measured or skipped." in shown.text
@@ -95,8 +88,7 @@ async def test_without_a_model_the_result_says_what_is_missing(client, session):
 
 
 async def test_nothing_measured_yet_is_said_in_place_of_a_result(client):
-    planned = await client.post("/api/v1/sessions", json=session_request(role="validation"))
-    page = planned.headers["Location"].removeprefix("/api/v1")
+    page = (await planned(client, role="validation")).removeprefix("/api/v1")
 
     assert (await client.get(f"{page}/result")).status_code == 409
     assert "/result" not in str(links(await client.get("/sessions")))

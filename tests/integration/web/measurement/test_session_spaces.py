@@ -3,32 +3,22 @@
 import numpy as np
 import pytest
 
-from tests.helpers.web.clients import command
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, with_ballbar
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import measured, planned
 
 
 class TestByTracker:
     """A session in which one nest is measured at a stop."""
 
     async def test_what_is_planned_is_to_come_and_the_first_comes_next(self, client):
-        planned = await client.post("/api/v1/sessions", json=session_request())
-        number = planned.json()["id"]
-
-        space = (await client.get(f"/api/v1/sessions/{number}/space")).json()
+        space = (await client.get(f"{await planned(client)}/space")).json()
 
         assert {stop["state"] for stop in space["stops"]} == {"to_come"}
         assert space["next_config"] == space["stops"][0]["config"]
         assert space["instrument_mm"] is None
 
     async def test_what_was_measured_says_so(self, client, until):
-        path = (
-            f"/api/v1/sessions/{(await client.post('/api/v1/sessions', json=session_request())).json()['id']}"
-        )
-        await command(client, path, "start")
-        await until(path, "state", "awaiting_confirmation")
-        await command(client, path, "confirm")
-        await until(path, "state", "finished")
+        path = await measured(client, until)
 
         space = (await client.get(f"{path}/space")).json()
 

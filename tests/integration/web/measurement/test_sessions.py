@@ -7,32 +7,20 @@ import pytest
 
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
-from tests.integration.web.bench import Bench, session_request, stops
+from tests.integration.web.bench import SESSIONS, Bench, begun, planned, session_request, stops
 from truepose.sessions.tracker import service
-
-SESSIONS = "/api/v1/sessions"
-
-
-async def planned(client, **changes):
-    answer = await client.post(SESSIONS, json=session_request(**changes))
-    assert answer.status_code == 201, answer.text
-    return answer.headers["Location"]
 
 
 async def running(client, bench):
     """A session whose first motion has begun and does not end yet."""
     bench.robot.gate.clear()
-    path = await planned(client)
-    await command(client, path, "start")
-    await command(client, path, "confirm")
+    path = await begun(client)
     await asyncio.wait_for(bench.robot.sent.wait(), HANGS_S)
     return path
 
 
 async def test_a_session_runs_from_plan_to_readings(client, until):
-    path = await planned(client, n=3)
-    await command(client, path, "start")
-    await command(client, path, "confirm")
+    path = await begun(client)
 
     session = await until(path, "state", "finished", "failed", "paused")
     readings = (await client.get(f"{path}/readings", params={"kind": "point"})).json()
@@ -84,9 +72,7 @@ async def test_a_driver_that_fails_has_the_session_await_a_person_who_can_go_on(
         return await answer(**given)
 
     setattr(getattr(bench, device), asked, fail_once)
-    path = await planned(client, n=3)
-    await command(client, path, "start")
-    await command(client, path, "confirm")
+    path = await begun(client)
     await until(path, "state", "running", "finished", "failed", "paused")
 
     waiting = await until(path, "state", "awaiting_confirmation", "finished", "failed", "paused")
@@ -249,9 +235,8 @@ async def test_a_plan_is_judged_off_the_loop_that_answers_everybody(client, monk
     judged_on = []
     monkeypatch.setattr(service, "check_plan", lambda *_: judged_on.append(threading.current_thread().name))
 
-    planned = await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
 
-    assert planned.status_code == 201
     assert judged_on
     assert "MainThread" not in judged_on
 

@@ -6,12 +6,10 @@ import pytest
 
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
-from tests.integration.web.bench import CELL, session_request, stops
+from tests.integration.web.bench import CELL, SESSIONS, begun, session_request, stops
 from tests.integration.web.conftest import asking
 from truepose_drivers.errors import ConnectionLostError
 
-SESSIONS = "/api/v1/sessions"
 START = {"command": "start", "person": "Ada"}
 BELOW = [0.0, 90.0, 0.0, 0.0, 90.0, 0.0]  # the tool looks down from the outstretched arm
 ON_A_PEDESTAL = "[base_in_world]\nx_mm = 0\ny_mm = 0\nz_mm = 800\nrx_deg = 0\nry_deg = 0\nrz_deg = 0\n"
@@ -151,10 +149,8 @@ async def test_an_added_configuration_behind_a_stated_floor_is_refused(on_a_stat
 
 async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, bench, until):
     await bench.robot.connect()
-    path = (await client.post(SESSIONS, json=session_request(plan=given(BEFORE)))).headers["Location"]
     bench.robot.gate.clear()
-    await command(client, path, "start")
-    await command(client, path, "confirm")
+    path = await begun(client, plan=given(BEFORE))
     await bench.robot.sent.wait()
 
     added = await client.post(f"{path}/configurations", json=MORE)
@@ -178,7 +174,7 @@ async def test_a_way_of_a_given_ballbar_plan_is_judged_as_one_of_a_tracker_plan(
 ):
     settings.cell_file.write_text(CELL + BALLBAR + floor)
     async with served(settings, bench.registry()) as client:
-        planned = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BEYOND))
+        planned = await client.post(SESSIONS, json=ballbar_session(BEFORE, BEYOND))
         notes = (await client.get(f"{SESSIONS}/1")).json().get("notes")
 
     assert planned.status_code == status, planned.text
@@ -190,7 +186,7 @@ async def test_a_way_of_a_given_ballbar_plan_is_judged_as_one_of_a_tracker_plan(
 async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(settings, bench):
     settings.cell_file.write_text(CELL + BALLBAR)
     async with served(settings, bench.registry()) as client:
-        refused = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BELOW))
+        refused = await client.post(SESSIONS, json=ballbar_session(BEFORE, BELOW))
 
     assert refused.status_code == 409
     assert "The target of step placement-1/pose-2/move is not possible: tool nest" in refused.json()["detail"]

@@ -33,6 +33,11 @@ class Held:
         await send({"type": "http.response.start", "status": 200, "headers": []})
         await send({"type": "http.response.body", "body": b""})
 
+    async def holds(self, n):
+        """Wait until so many requests are under way."""
+        while self.under_way < n:
+            await asyncio.sleep(0)
+
 
 @pytest.fixture
 def held():
@@ -66,8 +71,7 @@ async def asking(client):
 async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, asking, monkeypatch):
     monkeypatch.setattr(priority, "_WAIT_S", 0.05)
     flood = asking(LOOK, 400)
-    while held.under_way < 16:
-        await asyncio.sleep(0)
+    await held.holds(16)
 
     stopped = [(await client.post(path)).status_code for path in (PAUSE, PAUSE)]
     health = (await client.get("/health")).status_code
@@ -85,8 +89,7 @@ async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, askin
 @pytest.mark.parametrize("command", HALTS)
 async def test_commands_that_wait_for_the_disk_keep_no_halt_waiting(client, held, asking, command):
     asking(PAUSE, 80, json={"command": "confirm"})
-    while held.under_way < 16:
-        await asyncio.sleep(0)
+    await held.holds(16)
 
     halted = await asyncio.wait_for(client.post(PAUSE, json={"command": command}), HANGS_S)
 
@@ -95,8 +98,7 @@ async def test_commands_that_wait_for_the_disk_keep_no_halt_waiting(client, held
 
 async def test_those_that_wait_are_answered_when_it_is_their_turn(held, asking):
     many = asking(LOOK, 100)
-    while held.under_way < 16:
-        await asyncio.sleep(0)
+    await held.holds(16)
 
     held.go.set()
 
@@ -105,8 +107,7 @@ async def test_those_that_wait_are_answered_when_it_is_their_turn(held, asking):
 
 async def test_streams_take_no_place_of_others(client, held, asking):
     asking("/api/v1/events", 384)
-    while held.under_way < 384:
-        await asyncio.sleep(0)
+    await held.holds(384)
 
     assert (await client.get("/api/v1/sessions/1/live")).status_code == 503
     held.go.set()
@@ -155,8 +156,7 @@ async def test_who_leaves_as_a_place_comes_free_does_not_go_in():
 async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, held, asking, monkeypatch):
     monkeypatch.setattr(priority, "_BODIES_BYTES", 2**20)
     asking(LOOK, 1, content=b" " * 2**20)
-    while not held.under_way:
-        await asyncio.sleep(0)
+    await held.holds(1)
 
     assert (await client.post(LOOK, content=b" " * 2**17)).status_code == 503
     assert (await client.post(PAUSE, content=b" " * 2**15)).status_code == 200

@@ -6,12 +6,10 @@ import re
 
 import pytest
 
-from tests.helpers.domain.builders import make_campaign
 from tests.helpers.web.clients import ENDED, client_of, until
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import planned, uploaded
 from truepose.analysis.job_queue.supervisor import TaskRefusedError
 from truepose.correlation import REQUEST
-from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.errors import StorageUnavailableError
 from truepose.web.middleware.request_log import LOGGER
 
@@ -72,16 +70,8 @@ async def test_a_line_tells_the_operation_and_no_secret(client, caplog):
 
 
 async def test_what_a_request_begins_keeps_its_name(client):
-    task = await client.post(
-        "/api/v1/campaigns",
-        content=write_campaign_zip(make_campaign()),
-        headers={"Content-Type": "application/zip"},
-    )
-    await client.post(
-        "/api/v1/identifications",
-        json={"campaign_id": task.json()["id"]},
-        headers={"X-Request-ID": "tablet-3"},
-    )
+    wanted = {"campaign_id": await uploaded(client)}
+    await client.post("/api/v1/identifications", json=wanted, headers={"X-Request-ID": "tablet-3"})
     await until(client, "/api/v1/jobs/1", lambda job: job["state"] in ENDED)
 
     assert NAMES[-1] == "tablet-3"
@@ -89,7 +79,7 @@ async def test_what_a_request_begins_keeps_its_name(client):
 
 async def test_figures_count_what_happens_and_what_is_there(client):
     before = figures((await client.get("/metrics")).text)
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
     await client.get("/api/v1/sessions/77")
     answer = await client.get("/metrics")
 

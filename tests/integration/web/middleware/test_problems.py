@@ -52,21 +52,23 @@ async def test_a_field_that_is_wrong_is_named(client, change, field):
 async def test_a_number_that_is_none_is_refused(client, number):
     body = json.dumps(session_request()).replace('"registration_readings": 2', f'"settle_s": {number}')
 
-    refused = await client.post(SESSIONS, content=body, headers={"Content-Type": "application/json"})
+    refused = await client.post(SESSIONS, content=body, headers=JSON)
 
     assert "settle_s" in detail_of(refused, 422)
 
 
-async def test_a_body_that_is_not_json(client):
-    refused = await client.post(SESSIONS, content="{", headers={"Content-Type": "application/json"})
+@pytest.mark.parametrize(
+    ("content", "media_type", "status", "says"),
+    [
+        ("{", "application/json", 422, "not JSON"),
+        (b"\xe9", "application/json", 400, "The body cannot be read; send JSON in UTF-8."),
+        ("name: x", "text/yaml", 415, "text/yaml is not accepted here; send application/json"),
+    ],
+)
+async def test_a_body_that_cannot_be_read_is_refused(client, content, media_type, status, says):
+    refused = await client.post(SESSIONS, content=content, headers={"Content-Type": media_type})
 
-    assert "not JSON" in detail_of(refused, 422)
-
-
-async def test_a_body_that_is_no_text(client):
-    refused = await client.post(SESSIONS, content=b"\xe9", headers={"Content-Type": "application/json"})
-
-    assert detail_of(refused, 400) == "The body cannot be read; send JSON in UTF-8."
+    assert says in detail_of(refused, status)
 
 
 async def test_what_cannot_be_seen_is_refused_in_words(client):
@@ -77,12 +79,6 @@ async def test_what_cannot_be_seen_is_refused_in_words(client):
     assert "without spaces" in detail_of(blank, 422)
 
 
-async def test_a_body_of_another_type(client):
-    refused = await client.post(SESSIONS, content="name: x", headers={"Content-Type": "text/yaml"})
-
-    assert "text/yaml is not accepted here; send application/json" in detail_of(refused, 415)
-
-
 @pytest.mark.parametrize("declared", [True, False])
 async def test_a_body_that_is_too_large(client, declared):
     async def chunks():
@@ -91,7 +87,7 @@ async def test_a_body_that_is_too_large(client, declared):
 
     content = b" " * (JSON_LIMIT_BYTES + 1) if declared else chunks()
 
-    refused = await client.post(SESSIONS, content=content, headers={"Content-Type": "application/json"})
+    refused = await client.post(SESSIONS, content=content, headers=JSON)
 
     assert "larger than 8 MB" in detail_of(refused, 413)
 

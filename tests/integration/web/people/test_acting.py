@@ -300,32 +300,13 @@ async def test_a_key_of_somebody_else_answers_with_nothing_of_theirs(house, alan
     assert again.json()["id"] == first.json()["id"]
 
 
-async def test_a_stream_ends_with_the_right_to_it(house):
-    async def streaming(scope, receive, send):
-        await send({"type": "http.response.start", "status": 200, "headers": []})
-        await send({"type": "http.response.body", "body": b"before", "more_body": True})
-        await house.here.accounts.register.remove(house.people[Role.OPERATOR], "a test")
-        await send({"type": "http.response.body", "body": b"after", "more_body": True})
-
-    gate = AuthorizationMiddleware(streaming, operations_of(house.app.routes))
-
-    async def served(scope, receive, send):
-        await gate({**scope, "app": house.app}, receive, send)
-
-    token = ("authorization", f"Bearer {house.tokens[Role.OPERATOR]}")
-    answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost"), token])
-
-    assert (answer.status, answer.body) == (200, b"before")
-
-
-async def test_a_stream_of_an_open_service_ends_when_the_first_person_closes_it(app):
-    accounts = app.state.context.people.accounts
+async def streamed(app, meanwhile, *headers):
+    """Return what is sent of a stream, during which something happens."""
 
     async def streaming(scope, receive, send):
         await send({"type": "http.response.start", "status": 200, "headers": []})
         await send({"type": "http.response.body", "body": b"before", "more_body": True})
-        chosen = Preferences(password=PASSWORD)
-        await accounts.enter_first(accounts.first_secret, "Ada Byron", chosen, "127.0.0.1")
+        await meanwhile()
         await send({"type": "http.response.body", "body": b"after", "more_body": True})
 
     gate = AuthorizationMiddleware(streaming, operations_of(app.routes))
@@ -333,9 +314,27 @@ async def test_a_stream_of_an_open_service_ends_when_the_first_person_closes_it(
     async def served(scope, receive, send):
         await gate({**scope, "app": app}, receive, send)
 
-    answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost")])
+    answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost"), *headers])
+    return answer.status, answer.body
 
-    assert (answer.status, answer.body) == (200, b"before")
+
+async def test_a_stream_ends_with_the_right_to_it(house):
+    async def removed():
+        await house.here.accounts.register.remove(house.people[Role.OPERATOR], "a test")
+
+    token = ("authorization", f"Bearer {house.tokens[Role.OPERATOR]}")
+
+    assert await streamed(house.app, removed, token) == (200, b"before")
+
+
+async def test_a_stream_of_an_open_service_ends_when_the_first_person_closes_it(app):
+    accounts = app.state.context.people.accounts
+
+    async def entered():
+        chosen = Preferences(password=PASSWORD)
+        await accounts.enter_first(accounts.first_secret, "Ada Byron", chosen, "127.0.0.1")
+
+    assert await streamed(app, entered) == (200, b"before")
 
 
 async def two_events(closed):

@@ -106,26 +106,35 @@ def worker():
     return perform_here
 
 
-async def test_a_model_is_one_of_the_cell_only_once_somebody_accepts_it(client, app):
+@pytest.fixture
+async def handed(client, app):
+    """A model of the cell's own robot and tool was handed down."""
     await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
+
+
+async def accept(client, number=1, **said):
+    body = {"person": "Grace Hopper", **said}
+    return await client.post(f"/api/v1/hand-downs/{number}/acceptance", json=body)
+
+
+async def test_a_model_is_one_of_the_cell_only_once_somebody_accepts_it(client, handed):
     before = (await client.get("/api/v1/models")).json()
 
-    accepted = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
-    again = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+    accepted = await accept(client)
+    again = await accept(client)
 
     assert (before, accepted.status_code, again.status_code) == ([], 201, 409), accepted.text
     (model,) = (await client.get("/api/v1/models")).json()
     assert accepted.json() == model
     assert (model["identification_id"], model["diagnosis_id"]) == (None, None)
     assert (model["handed_down_id"], model["accepted_by"]) == (1, "Grace Hopper")
-    (handed,) = (await client.get("/api/v1/hand-downs")).json()
-    assert handed["model_id"] == model["id"]
-    assert [use["person"] for use in handed["uses"]] == ["Grace Hopper"]
+    (shown,) = (await client.get("/api/v1/hand-downs")).json()
+    assert shown["model_id"] == model["id"]
+    assert [use["person"] for use in shown["uses"]] == ["Grace Hopper"]
 
 
-async def test_an_accepted_model_corrects_and_is_listed_with_its_origin(client, app):
-    await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
-    await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+async def test_an_accepted_model_corrects_and_is_listed_with_its_origin(client, handed):
+    await accept(client)
     target = b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz,note\nnear,350,100,400,0,0,1,0,ok\n"
 
     sent = await client.post("/api/v1/models/1/corrections", files=[("file", ("t.csv", target))])
@@ -149,10 +158,7 @@ async def test_a_model_of_another_robot_or_no_model_is_refused_with_a_sentence(c
         )
     await client.post("/api/v1/hand-downs", json=PLAN, headers=KEY)
 
-    answers = [
-        await client.post(f"/api/v1/hand-downs/{number}/acceptance", json={"person": "Ada"})
-        for number in (1, 2, 3, 4)
-    ]
+    answers = [await accept(client, number) for number in (1, 2, 3, 4)]
 
     assert [answer.status_code for answer in answers] == [409, 409, 409, 404]
     assert "KUKA KR 6; this cell has ABB IRB 120" in answers[0].json()["detail"]
@@ -173,11 +179,10 @@ async def test_a_model_that_moves_the_tool_far_is_accepted_only_with_its_shift_c
 
     check = (await client.get("/api/v1/hand-downs/1/check")).json()
     page = (await client.get("/hand-downs")).text
-    accepting = "/api/v1/hand-downs/1/acceptance"
-    believed = await client.post(accepting, json={"person": "Grace Hopper"})
-    too_little = await client.post(accepting, json={"person": "Grace Hopper", "accepted_shift_mm": 100.0})
     shift_mm = check["largest_shift_mm"]
-    confirmed = await client.post(accepting, json={"person": "Grace Hopper", "accepted_shift_mm": shift_mm})
+    believed = await accept(client)
+    too_little = await accept(client, accepted_shift_mm=100.0)
+    confirmed = await accept(client, accepted_shift_mm=shift_mm)
 
     assert check["confirmation_needed"] and check["digest"] == "intact"
     assert shift_mm > least_mm
@@ -204,9 +209,7 @@ async def test_every_model_that_the_page_shows_is_checked_however_many_came_late
     assert 'href="/hand-downs?before=' not in older
 
 
-async def test_a_model_near_the_nominal_robot_needs_no_confirmation(client, app):
-    await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
-
+async def test_a_model_near_the_nominal_robot_needs_no_confirmation(client, handed):
     check = (await client.get("/api/v1/hand-downs/1/check")).json()
     page = (await client.get("/hand-downs")).text
 
@@ -216,11 +219,11 @@ async def test_a_model_near_the_nominal_robot_needs_no_confirmation(client, app)
 
 
 async def test_a_model_that_was_edited_on_the_way_is_refused(client, app):
-    handed = handed_model(app)
-    handed["document"]["parameters"][0]["value"] += 1.0
-    await client.post("/api/v1/hand-downs", json=handed, headers=KEY)
+    edited = handed_model(app)
+    edited["document"]["parameters"][0]["value"] += 1.0
+    await client.post("/api/v1/hand-downs", json=edited, headers=KEY)
 
-    answer = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+    answer = await accept(client)
 
     assert answer.status_code == 409
     assert "was edited after truepose wrote it" in answer.json()["detail"]

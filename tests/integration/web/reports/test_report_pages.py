@@ -6,13 +6,11 @@ from datetime import date
 import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import nothing_fitted, two_findings
-from tests.helpers.domain.builders import make_campaign, make_identification
-from tests.helpers.web.clients import command
+from tests.helpers.domain.builders import make_identification
 from tests.helpers.web.pages import Page
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import measured, number_of, planned, uploaded
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.analysis.job_queue.tasks import DrawTask
-from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 
 class Worker:
@@ -40,21 +38,15 @@ def diagnosed(client, until, worker):
 
     async def ask(answer=None):
         worker.answer = answer or nothing_fitted()
-        archive = write_campaign_zip(make_campaign())
-        uploaded = await client.post(
-            "/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"}
-        )
-        asked = await client.post("/api/v1/diagnoses", json={"campaign_id": uploaded.json()["id"]})
+        asked = await client.post("/api/v1/diagnoses", json={"campaign_id": await uploaded(client)})
         job = await until(asked.headers["Location"], "state", "succeeded", "failed")
-        return int(job["result_url"].rsplit("/", 1)[1])
+        return number_of(job["result_url"])
 
     return ask
 
 
 async def test_an_identification_and_a_diagnosis_state_what_their_campaign_states(client, until, worker):
-    told = make_campaign(measured_on=date(2026, 3, 3), robot_serial_number="120-5")
-    archive = {"content": write_campaign_zip(told), "headers": {"Content-Type": "application/zip"}}
-    campaign_id = (await client.post("/api/v1/campaigns", **archive)).json()["id"]
+    campaign_id = await uploaded(client, measured_on=date(2026, 3, 3), robot_serial_number="120-5")
 
     for kind, resource, answer in (
         ("identification", "identifications", make_identification(model=None)),
@@ -153,19 +145,9 @@ async def test_what_there_is_not_is_said_on_a_page(client, path, form):
     assert "This report cannot be shown" in answer.text
 
 
-async def measured(client, until, **changes):
-    """Run a session to its end and return its number."""
-    answer = await client.post("/api/v1/sessions", json=session_request(n=3, **changes))
-    path = answer.headers["Location"]
-    await command(client, path, "start")
-    await command(client, path, "confirm")
-    await until(path, "state", "finished")
-    return int(path.rsplit("/", 1)[1])
-
-
 async def test_a_session_passes_or_not_on_its_first_page_and_closing_it_is_a_revision(app, client, until):
     await store_model(app.state.context)
-    number = await measured(client, until, role="validation")
+    number = number_of(await measured(client, until, role="validation"))
 
     judged = (await client.get(f"/reports/session/{number}", params={"limit_mm": 0.2})).text
     await client.post(
@@ -187,7 +169,7 @@ async def test_a_session_passes_or_not_on_its_first_page_and_closing_it_is_a_rev
 
 
 async def test_a_session_for_an_identification_has_no_report_of_its_own(client, until):
-    number = await measured(client, until)
+    number = number_of(await measured(client, until))
 
     answer = await client.get(f"/reports/session/{number}")
 
@@ -196,7 +178,7 @@ async def test_a_session_for_an_identification_has_no_report_of_its_own(client, 
 
 
 async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_hold(client, until):
-    number = await measured(client, until)
+    number = number_of(await measured(client, until))
     page, path = f"/sessions/{number}/closing", f"/api/v1/sessions/{number}"
 
     before = (await client.get(page)).text
@@ -214,8 +196,7 @@ async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_h
 
 @pytest.mark.usefixtures("text_library")
 async def test_a_planned_session_has_a_checklist_to_print(client):
-    answer = await client.post("/api/v1/sessions", json=session_request(n=3))
-    page = f"/sessions/{answer.headers['Location'].rsplit('/', 1)[1]}/checklist"
+    page = f"/sessions/{number_of(await planned(client))}/checklist"
 
     shown, printed = await client.get(page), await client.get(f"{page}.pdf")
 

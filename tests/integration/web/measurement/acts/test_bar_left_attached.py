@@ -8,8 +8,7 @@ import pytest
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
-from tests.integration.web.bench import CELL, session_request
+from tests.integration.web.bench import CELL, SESSIONS, session_request
 from tests.integration.web.contact_bench import GAUGE, WIRE
 from tests.integration.web.measurement import test_camera_sessions as camera
 from tests.integration.web.measurement.test_contact_sessions import FakeWire
@@ -56,14 +55,13 @@ def kind(request):
 
 
 @pytest.fixture
-def settings(settings, kind):
-    settings.cell_file.write_text(kind.cell)
-    return settings
+def cell_text(kind):
+    return kind.cell
 
 
 async def end_attached(client):
     """End a session with the ballbar that had asked for a length."""
-    created = await client.post(BALLBAR_SESSIONS, json=WANTED)
+    created = await client.post(SESSIONS, json=WANTED)
     tablet = Tablet(client, session_id=created.json()["id"])
     await tablet.press("start")
     async with asyncio.timeout(HANGS_S):
@@ -122,7 +120,7 @@ async def test_so_does_it_where_the_service_was_restarted_since(settings, bench,
 
 async def test_a_session_that_the_ballbar_had_no_part_in_yet_does_not_vouch_for_it(client, bench, kind):
     await end_attached(client)
-    unstarted = (await client.post(BALLBAR_SESSIONS, json=WANTED)).json()["id"]
+    unstarted = (await client.post(SESSIONS, json=WANTED)).json()["id"]
     await Tablet(client, session_id=unstarted).press("abort")
     switch_off(bench)
 

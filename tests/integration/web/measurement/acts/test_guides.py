@@ -7,16 +7,10 @@ import pytest
 
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, prompt_id
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import planned
 from truepose.analysis.job_queue.accuracy_tasks import ExpectedAccuracy, SessionForecast
 
 ADA = {"person": "Ada Byron", "tablet": "tablet-1"}
-
-
-async def planned(client, n=4, **changes):
-    reply = await client.post("/api/v1/sessions", json=session_request(n, **changes))
-    assert reply.status_code == 201, reply.text
-    return reply.headers["Location"]
 
 
 async def press(client, path, act, key=None, **more):
@@ -43,7 +37,7 @@ async def until(client, path, holds):
 
 
 async def begun(client, **changes):
-    path = await planned(client, **changes)
+    path = await planned(client, **{"n": 4} | changes)
     await pressed(client, path, "start")
     await pressed(client, path, "confirm")
     return path
@@ -51,7 +45,7 @@ async def begun(client, **changes):
 
 async def halted(client, bench, after, **changes):
     """A session that was paused on the way to the stop behind the first `after` ones."""
-    path = await planned(client, **changes)
+    path = await planned(client, **{"n": 4} | changes)
     await pressed(client, path, "start")
     bench.robot.gate.clear()
     await pressed(client, path, "confirm")
@@ -72,7 +66,7 @@ async def finished(client, path):
 
 
 async def test_a_planned_session_says_what_it_is_and_what_may_be_pressed(client):
-    found = await guide(client, await planned(client, warm_up=True))
+    found = await guide(client, await planned(client, n=4, warm_up=True))
 
     assert (found["kind"], found["state"], found["warm_up"]) == ("tracker", "planned", True)
     assert found["commands"] == ["abort", "start"]
@@ -80,7 +74,7 @@ async def test_a_planned_session_says_what_it_is_and_what_may_be_pressed(client)
 
 
 async def test_start_asks_and_confirm_moves(client, bench):
-    path = await planned(client)
+    path = await planned(client, n=4)
 
     asked = await pressed(client, path, "start")
 
@@ -96,7 +90,7 @@ def told_s(reply):
 
 
 async def test_a_tap_that_was_long_under_way_lets_nothing_move(client, bench):
-    path = await planned(client)
+    path = await planned(client, n=4)
     asked = await press(client, path, "start")
 
     late = await press(client, path, "confirm", "k1", pressed_at_s=told_s(asked) - 10)
@@ -113,7 +107,7 @@ async def test_a_tap_that_was_long_under_way_lets_nothing_move(client, bench):
 
 
 async def test_what_halts_is_never_too_old(client):
-    path = await planned(client)
+    path = await planned(client, n=4)
     asked = await press(client, path, "start")
 
     await pressed(client, path, "abort", pressed_at_s=max(0.0, told_s(asked) - 3600))
@@ -123,7 +117,7 @@ async def test_what_halts_is_never_too_old(client):
 
 @pytest.mark.parametrize("act", ["start", "confirm"])
 async def test_an_act_that_arrives_again_is_done_once(client, bench, act):
-    path = await planned(client)
+    path = await planned(client, n=4)
     if act == "confirm":
         await pressed(client, path, "start")
 
@@ -153,7 +147,7 @@ async def test_the_sheet_tells_nominal_actual_and_delta(client):
 
 
 async def test_before_anything_is_read_the_sheet_is_empty_and_not_filled_in(client):
-    path = await planned(client, warm_up=True)
+    path = await planned(client, n=4, warm_up=True)
 
     sheet = (await client.get(f"{path}/sheet")).json()
 
@@ -199,7 +193,7 @@ async def test_a_skip_needs_its_reason(client, bench):
 
 
 async def test_stop_has_a_person_confirm_anew(client, bench):
-    path = await planned(client)
+    path = await planned(client, n=4)
     await pressed(client, path, "start")
     bench.robot.gate.clear()
     await pressed(client, path, "confirm")
@@ -213,7 +207,7 @@ async def test_stop_has_a_person_confirm_anew(client, bench):
 
 
 async def test_the_scene_says_what_is_seen(client):
-    path = await planned(client)
+    path = await planned(client, n=4)
 
     scene = (await client.get(f"{path}/scene")).json()
 
@@ -258,7 +252,7 @@ async def test_a_session_with_the_ballbar_is_guided_elsewhere(client, bench):
 
 
 async def test_the_stream_begins_with_the_session(client):
-    path = await planned(client)
+    path = await planned(client, n=4)
 
     text = (await client.get(f"{path}/live?tablet=t1&stop_after_s=0.2")).text
 

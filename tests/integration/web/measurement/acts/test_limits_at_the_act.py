@@ -7,11 +7,9 @@ import pytest
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
-from tests.integration.web.bench import CELL, session_request
+from tests.integration.web.bench import CELL, SESSIONS, planned, session_request
 from tests.integration.web.conftest import asking
 
-SESSIONS = "/api/v1/sessions"
 TIGHT = "[limits]\njoints_deg = [[-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5]]\n"
 WIDE = "[limits]\ntool_speed_mm_s = 400.0\n"
 SLOW = "[limits]\ntool_speed_mm_s = 50.0\norientation_speed_deg_s = 3.0\n"
@@ -35,10 +33,14 @@ class Service:
     def started(self):
         return served(self.settings, self.bench.registry())
 
-    async def measures_a_planned_session_after(self, limits):
+    async def planned_before(self, limits, wanted=None):
+        """Plan a session; then the cell file says something else."""
         async with self.started() as client:
-            await client.post(SESSIONS, json=session_request())
+            await client.post(SESSIONS, json=wanted or session_request())
         self.write(limits)
+
+    async def measures_a_planned_session_after(self, limits):
+        await self.planned_before(limits)
         async with self.started() as client:
             await command(client, f"{SESSIONS}/1", "start")
             await command(client, f"{SESSIONS}/1", "confirm")
@@ -53,9 +55,7 @@ def service(settings, bench):
 
 
 async def test_a_planned_session_outside_tightened_limits_does_not_start(service, bench):
-    async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
-    service.write(TIGHT)
+    await service.planned_before(TIGHT)
 
     async with service.started() as client:
         refused = await command(client, f"{SESSIONS}/1", "start")
@@ -72,7 +72,7 @@ async def test_a_planned_session_outside_tightened_limits_does_not_start(service
 
 async def test_an_interrupted_session_is_refused_while_the_limits_are_tight_and_goes_on_later(service, bench):
     async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
+        await planned(client)
         bench.robot.gate.clear()
         await command(client, f"{SESSIONS}/1", "start")
         await command(client, f"{SESSIONS}/1", "confirm")
@@ -113,9 +113,7 @@ async def test_the_robot_is_as_slow_as_the_cell_file_says_now(service, bench):
 
 
 async def test_configurations_are_added_within_the_limits_of_now(service):
-    async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
-    service.write(TIGHT)
+    await service.planned_before(TIGHT)
 
     async with service.started() as client:
         wanted = {"configurations": [{"joints_deg": [0, 40, -30, 0, 30, 0]}], "person": "Ada"}
@@ -127,7 +125,7 @@ async def test_configurations_are_added_within_the_limits_of_now(service):
 
 async def test_a_cell_file_that_has_changed_lets_nothing_move_before_a_restart(service, bench):
     async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
+        await planned(client)
         await command(client, f"{SESSIONS}/1", "start")
         service.write(SLOW)
         refused = await command(client, f"{SESSIONS}/1", "confirm")
@@ -144,7 +142,7 @@ async def test_a_cell_file_that_has_changed_lets_nothing_move_before_a_restart(s
 
 async def test_a_comment_in_the_cell_file_stops_nobody(service):
     async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
+        await planned(client)
         await command(client, f"{SESSIONS}/1", "start")
         service.write(WIDE + "# checked on Monday\n")
 
@@ -153,7 +151,7 @@ async def test_a_comment_in_the_cell_file_stops_nobody(service):
 
 async def test_another_robot_than_the_one_planned_for_does_not_move(service):
     async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
+        await planned(client)
     other = service.settings.cell_file.read_text().replace("abb-irb-120", "fanuc-lr-mate-200ic")
     service.settings.cell_file.write_text(other)
 
@@ -166,7 +164,7 @@ async def test_another_robot_than_the_one_planned_for_does_not_move(service):
 
 async def test_a_ballbar_session_is_found_again_and_refused_until_the_limits_allow_it(service, bench):
     async with service.started() as client:
-        await client.post(BALLBAR_SESSIONS, json=WANTED)
+        await client.post(SESSIONS, json=WANTED)
         await Tablet(client).press("start")
     service.write(TIGHT)
 
@@ -192,9 +190,7 @@ async def test_a_ballbar_session_is_found_again_and_refused_until_the_limits_all
 
 
 async def test_a_ballbar_session_does_not_start_outside_the_limits_of_now(service):
-    async with service.started() as client:
-        await client.post(BALLBAR_SESSIONS, json=WANTED)
-    service.write(TIGHT)
+    await service.planned_before(TIGHT, WANTED)
 
     async with service.started() as client:
         refused = await Tablet(client).press("start")

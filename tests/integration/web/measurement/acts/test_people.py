@@ -7,10 +7,8 @@ import pytest
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
-from tests.integration.web.bench import CELL, session_request
+from tests.integration.web.bench import CELL, SESSIONS, planned
 
-SESSIONS = "/api/v1/sessions"
 NAME = "urn:truepose:problem:name"
 UNREADABLE = ["\u200b", "\u202e", "\u0301", "...", "\ue000", "A\u0000", "\U000f0000A"]
 
@@ -21,9 +19,8 @@ def people():
 
 
 @pytest.fixture
-def settings(settings, people):
-    settings.cell_file.write_text(people + CELL + BALLBAR)
-    return settings
+def cell_text(people):
+    return people + CELL + BALLBAR
 
 
 @pytest.fixture(autouse=True)
@@ -33,7 +30,7 @@ def unplugged(bench):
 
 
 async def started(client):
-    await client.post(SESSIONS, json=session_request())
+    await planned(client)
     await command(client, f"{SESSIONS}/1", "start", person="Ada Lovelace")
 
 
@@ -93,7 +90,7 @@ async def test_everybody_may_halt_and_only_those_announced_go_on(client, bench, 
 
 
 async def test_at_the_tablet_everybody_may_stop_and_only_those_announced_act(client):
-    await client.post(BALLBAR_SESSIONS, json=WANTED)
+    await client.post(SESSIONS, json=WANTED)
     tablet = Tablet(client)
 
     refused = await tablet.press("start", person="Mallory")
@@ -109,7 +106,7 @@ async def test_at_the_tablet_everybody_may_stop_and_only_those_announced_act(cli
 
 
 async def test_a_ballbar_session_says_who_may_act(client):
-    await client.post(BALLBAR_SESSIONS, json=WANTED)
+    await client.post(SESSIONS, json=WANTED)
 
     session = await Tablet(client).see()
 

@@ -6,9 +6,8 @@ import pytest
 
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.ballbar_bench import WANTED, Tablet, with_ballbar
-from tests.integration.web.bench import Bench, session_request
+from tests.integration.web.bench import SESSIONS, Bench, planned, session_request
 
 PATH = "/api/v1/sessions/1"
 
@@ -22,7 +21,7 @@ def settings(settings):
 async def asked(client, bench):
     """A tracker session that asks its first question."""
     bench.ballbar.dead = True  # nobody has it on the arm
-    await client.post("/api/v1/sessions", json=session_request(n=3))
+    await planned(client)
     return (await command(client, PATH, "start")).json()["session"]
 
 
@@ -87,7 +86,7 @@ async def test_a_number_that_is_no_number_is_refused(client, asked):
 
 
 async def test_a_ballbar_session_goes_on_from_the_question_that_was_read(client):
-    await client.post(BALLBAR_SESSIONS, json=WANTED)
+    await client.post(SESSIONS, json=WANTED)
     tablet = Tablet(client)
     await tablet.press("start")
     first = (await tablet.press("stop")).json()["session"]
@@ -105,7 +104,7 @@ async def test_a_ballbar_session_goes_on_from_the_question_that_was_read(client)
 async def test_a_question_from_before_a_restart_is_not_the_one_that_is_asked_after_it(settings, bench):
     bench.ballbar.dead = True
     async with served(settings, bench.registry()) as client:
-        await client.post("/api/v1/sessions", json=session_request(n=3))
+        await planned(client)
         before = (await command(client, PATH, "start")).json()["session"]
 
     later = Bench()

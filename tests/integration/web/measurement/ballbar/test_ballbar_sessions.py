@@ -7,7 +7,7 @@ import pytest
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
-from tests.integration.web.bench import Bench, session_request
+from tests.integration.web.bench import Bench, planned
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
 
 
@@ -56,9 +56,12 @@ async def test_a_planned_session_lists_its_steps_before_the_start(client, tablet
     legs = [step for step in steps if "/pose-2/leg-" in step["id"]]
     assert [leg["points"] for leg in legs][3] == ["B2", "T3"]
     assert {tuple(leg["bars_mm"]) for leg in legs} == {(150.0, 50.0)}
+    assert steps[0]["kind"] == "initialise"
+    assert (await client.get(tablet.path)).json()["role"] == "ballbar"
+    assert (await client.get(f"{tablet.path}/progress")).status_code == 200
 
 
-async def test_a_planned_session_says_beforehand_where_swaps_are_hardly_seen(client, tablet):
+async def test_a_planned_session_says_beforehand_where_swaps_are_hardly_seen(tablet):
     session = await tablet.see()
 
     poses = session["unseen_swaps_poses"]
@@ -68,7 +71,7 @@ async def test_a_planned_session_says_beforehand_where_swaps_are_hardly_seen(cli
 
 
 async def test_the_list_of_sessions_has_both_kinds(client, tablet):
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
 
     listed = (await client.get("/api/v1/sessions")).json()
 
@@ -157,7 +160,7 @@ async def test_pages_of_the_ledger_follow_its_numbers(tablet):
 
 async def test_one_session_runs_at_a_time_whichever_its_instrument(client, tablet):
     await tablet.press("start")
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
     await client.post(SESSIONS, json=WANTED)
 
     tracker = await command(client, "/api/v1/sessions/2", "start")
@@ -169,7 +172,7 @@ async def test_one_session_runs_at_a_time_whichever_its_instrument(client, table
 
 
 async def test_of_two_sessions_of_both_kinds_that_start_at_once_one_starts(client, tablet):
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
 
     answers = await asyncio.gather(command(client, "/api/v1/sessions/2", "start"), tablet.press("start"))
     states = [session["state"] for session in (await client.get("/api/v1/sessions")).json()]
@@ -180,7 +183,7 @@ async def test_of_two_sessions_of_both_kinds_that_start_at_once_one_starts(clien
 
 
 async def test_a_tracker_session_is_no_ballbar_session(client):
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
 
     assert (await client.get(f"{SESSIONS}/1/situation")).json()["kind"] == "tracker"
     assert "stops" in (await client.get(f"{SESSIONS}/1/plan")).json()
@@ -277,36 +280,24 @@ async def test_the_base_is_put_where_the_session_under_way_wants_it(client, tabl
     assert (details["x_mm"], details["z_mm"], details["rz_deg"]) == (350.0, 50.0, 0.0)
 
 
-async def test_a_session_without_a_leg_makes_no_campaign(client, tablet):
-    refused = await client.post("/api/v1/campaigns", json={"session_ids": [1]})
+@pytest.mark.parametrize(
+    ("session_ids", "says"), [([1], "no valid ballbar length"), ([2, 1], "ballbar")], ids=["alone", "judging"]
+)
+async def test_a_session_without_a_leg_makes_no_campaign_and_judges_none(client, tablet, session_ids, says):
+    await planned(client)
+
+    refused = await client.post("/api/v1/campaigns", json={"session_ids": session_ids})
 
     assert refused.status_code == 409
-    assert "no valid ballbar length" in refused.json()["detail"]
-
-
-async def test_a_ballbar_session_judges_no_other(client, tablet):
-    await client.post("/api/v1/sessions", json=session_request())
-
-    refused = await client.post("/api/v1/campaigns", json={"session_ids": [2, 1]})
-
-    assert refused.status_code == 409
-    assert "ballbar" in refused.json()["detail"]
+    assert says in refused.json()["detail"]
 
 
 async def test_a_session_that_was_not_started_leaves_the_devices_to_others(client, tablet):
     too_early = await tablet.press("pause")
 
     assert too_early.status_code == 409
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
     assert (await command(client, "/api/v1/sessions/2", "start")).status_code == 200
-
-
-async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet):
-    plan = (await client.get("/api/v1/sessions/1/plan")).json()
-
-    assert plan["steps"][0]["kind"] == "initialise"
-    assert (await client.get("/api/v1/sessions/1")).json()["role"] == "ballbar"
-    assert (await client.get("/api/v1/sessions/1/progress")).status_code == 200
 
 
 async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, client):
@@ -388,8 +379,7 @@ async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_
     client, bench, until
 ):
     """As after a session with the ballbar that was ended early: nobody was asked to take it off."""
-    created = await client.post("/api/v1/sessions", json=session_request())
-    path = created.headers["Location"]
+    path = await planned(client)
     await command(client, path, "start")
 
     left_on = await command(client, path, "confirm")

@@ -7,8 +7,7 @@ import pytest
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
-from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
-from tests.integration.web.bench import CELL, session_request
+from tests.integration.web.bench import CELL, SESSIONS, planned
 from truepose.storage.ledger.sessions import SessionRepository
 
 SESSION = "/api/v1/sessions/1"
@@ -17,9 +16,8 @@ BAR = '[ballbar.instrument]\nname = "QC20-W"\nserial_number = "B-7"\ncertificate
 
 
 @pytest.fixture
-def settings(settings):
-    settings.cell_file.write_text(NAMED + BALLBAR + BAR)
-    return settings
+def cell_text():
+    return NAMED + BALLBAR + BAR
 
 
 async def connected(client, name):
@@ -61,7 +59,7 @@ async def test_a_device_that_tells_no_number_is_not_foreign(client, bench):
 
 async def questioned(client, bench):
     bench.ballbar.dead = True  # nobody has it on the arm
-    await client.post("/api/v1/sessions", json=session_request())
+    await planned(client)
     await command(client, SESSION, "start")
     await command(client, SESSION, "confirm")
     async with asyncio.timeout(HANGS_S):
@@ -133,7 +131,7 @@ async def test_whoever_polls_never_sees_the_reason_of_another_moment(client, ben
 
 
 async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(client, bench):
-    created = await client.post(BALLBAR_SESSIONS, json=WANTED)
+    created = await client.post(SESSIONS, json=WANTED)
     assert created.status_code == 201, created.text
     tablet = Tablet(client)
     await tablet.press("start")
@@ -166,8 +164,8 @@ async def test_the_start_page_says_where_another_device_answers(client):
 
 async def test_a_session_planned_for_another_robot_does_not_start(settings, bench):
     async with served(settings, bench.registry()) as client:
-        await client.post("/api/v1/sessions", json=session_request())
-        await client.post(BALLBAR_SESSIONS, json=WANTED)
+        await planned(client)
+        await client.post(SESSIONS, json=WANTED)
     settings.cell_file.write_text(settings.cell_file.read_text().replace('"120-1"', '"120-2"'))
     bench.robot.serial = "120-2"
 
