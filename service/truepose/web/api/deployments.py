@@ -103,21 +103,15 @@ class HandedDownReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
-    plant: Annotated[str, FieldSource("handed_down.plant")] = Field(
-        description="As its token is called; empty: nobody is asked.", examples=["plant"]
-    )
-    kind: Annotated[Literal["plan", "model"], FieldSource("handed_down.kind")]
-    name: Annotated[str, FieldSource("handed_down.name")] = Field(examples=["monthly check"])
-    person: Annotated[str, FieldSource("handed_down.person")] = Field(
-        description="Who handed it down, at the plant."
-    )
-    said_by: Annotated[str, FieldSource("handed_down.plant")] = Field(
+    plant: str = Field(description="As its token is called; empty: nobody is asked.", examples=["plant"])
+    kind: Literal["plan", "model"]
+    name: str = Field(examples=["monthly check"])
+    person: str = Field(description="Who handed it down, at the plant.")
+    said_by: Annotated[str, FieldSource("plant")] = Field(
         description="The plant that says so; the cell need not know them. Empty: nobody is asked.",
         examples=["plant"],
     )
-    document: Annotated[dict[str, Any], FieldSource("handed_down.document")] = Field(
-        examples=[{"name": "monthly check"}]
-    )
+    document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
     uses: list[UseReply]
     model_id: RecordId | None = Field(
         description="As which it was accepted in this cell; null: it was not.", examples=[7]
@@ -139,6 +133,11 @@ def _far_value(far: FarValue) -> FarValueReply:
     return FarValueReply.model_validate(fields | {"widths": far.widths})
 
 
+def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
+    """Return what was handed down, as it travels."""
+    return HandedDownReply.of(record, record.handed_down)
+
+
 router = resource("/hand-downs", tags=["plant"])
 
 
@@ -154,19 +153,19 @@ async def accept_hand_down(
     kept = HandedDownRepository(here.database)
     number = await kept.add(new, key)
     response.headers["Location"] = f"/api/v1/hand-downs/{number}"
-    return HandedDownReply.of(await kept.get(number))
+    return handed_down_reply(await kept.get(number))
 
 
 @router.get("", responses=LIST)
 async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
     """List what the plant handed down, oldest first."""
-    return paging.shown(await HandedDownRepository(here.database).page(paging.page), HandedDownReply.of)
+    return paging.shown(await HandedDownRepository(here.database).page(paging.page), handed_down_reply)
 
 
 @router.get("/{id}", responses=READ)
 async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
     """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
-    return HandedDownReply.of(await HandedDownRepository(here.database).get(id))
+    return handed_down_reply(await HandedDownRepository(here.database).get(id))
 
 
 @router.get("/{id}/check", responses=ACT)
@@ -198,7 +197,7 @@ async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownRep
     """Put on record that somebody used what was handed down, and for what; the plant sees it as well."""
     kept = HandedDownRepository(here.database)
     await kept.note_use(id, wanted.person, wanted.note)
-    return HandedDownReply.of(await kept.get(id))
+    return handed_down_reply(await kept.get(id))
 
 
 def _require_model(record: HandedDownRecord) -> NewHandedDown:

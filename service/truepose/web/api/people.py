@@ -4,7 +4,7 @@ import json
 from collections.abc import AsyncIterator
 from typing import Annotated, Final
 
-from fastapi import Query, status
+from fastapi import Depends, Query, status
 from fastapi.responses import Response, StreamingResponse
 from pydantic import Field
 
@@ -162,6 +162,13 @@ _HOURS_A_DAY = 24
 _OF_MACHINE = "somebody at this computer"  # nobody is asked who they are
 
 
+async def _by(asker: CurrentCaller) -> str:
+    return asker.name or _OF_MACHINE
+
+
+By = Annotated[str, Depends(_by)]
+
+
 @router.get("/people", responses=problems(503))
 async def list_people(here: Here) -> PeopleReply:
     """List everybody who is let in."""
@@ -169,36 +176,34 @@ async def list_people(here: Here) -> PeopleReply:
 
 
 @router.post("/people", status_code=status.HTTP_201_CREATED, responses=CHANGE)
-async def enter_person(here: Here, asker: CurrentCaller, wanted: EnterRequest) -> EnteredReply:
+async def enter_person(here: Here, asker: CurrentCaller, by: By, wanted: EnterRequest) -> EnteredReply:
     """Enter somebody; they choose their password by the link in the answer."""
     accounts = here.people.accounts
     if asker.machine:
         person, secret = await accounts.enter_by_machine(wanted.name, wanted.role)
     else:
-        person, secret = await accounts.enter(wanted.name, wanted.role, asker.name or _OF_MACHINE)
+        person, secret = await accounts.enter(wanted.name, wanted.role, by)
     return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
 
 
 @router.put("/people/{id}/role", responses=CHANGE)
-async def change_role(here: Here, asker: CurrentCaller, id: Id, wanted: RoleRequest) -> PersonReply:
+async def change_role(here: Here, by: By, id: Id, wanted: RoleRequest) -> PersonReply:
     """Change what somebody may do, from this moment on."""
-    found = await here.people.accounts.register.change_role(
-        _person(here, id), wanted.role, asker.name or _OF_MACHINE
-    )
+    found = await here.people.accounts.register.change_role(_person(here, id), wanted.role, by)
     return _reply(here, found)
 
 
 @router.delete("/people/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
-async def remove_person(here: Here, asker: CurrentCaller, id: Id) -> None:
+async def remove_person(here: Here, by: By, id: Id) -> None:
     """Let somebody in no more; their browsers and programs are out at once, their acts stay."""
-    await here.people.accounts.register.remove(_person(here, id), asker.name or _OF_MACHINE)
+    await here.people.accounts.register.remove(_person(here, id), by)
 
 
 @router.post("/people/{id}/link", status_code=status.HTTP_201_CREATED, responses=ACT)
-async def make_link(here: Here, asker: CurrentCaller, id: Id) -> EnteredReply:
+async def make_link(here: Here, by: By, id: Id) -> EnteredReply:
     """Make somebody a new link to choose a password; the one before opens nothing any more."""
     person = _person(here, id)
-    secret = await here.people.accounts.link(person, asker.name or _OF_MACHINE)
+    secret = await here.people.accounts.link(person, by)
     return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
 
 
@@ -209,10 +214,9 @@ async def list_tokens(here: Here) -> TokensReply:
 
 
 @router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=CHANGE)
-async def make_token(here: Here, asker: CurrentCaller, wanted: TokenRequest) -> NewTokenReply:
+async def make_token(here: Here, by: By, wanted: TokenRequest) -> NewTokenReply:
     """Let a program in, on behalf of somebody; the secret is shown this once."""
     owner = here.people.accounts.register.require(wanted.owner)
-    by = asker.name or _OF_MACHINE
     record, secret = await here.people.accounts.make_token(
         owner, wanted.name, wanted.role, wanted.hours / _HOURS_A_DAY, by
     )
@@ -220,11 +224,11 @@ async def make_token(here: Here, asker: CurrentCaller, wanted: TokenRequest) -> 
 
 
 @router.delete("/tokens/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
-async def revoke_token(here: Here, asker: CurrentCaller, id: Id) -> None:
+async def revoke_token(here: Here, by: By, id: Id) -> None:
     """Let a program in no more, from this moment on."""
     if id not in {record.id for record in _tokens(here)}:
         raise UnknownPersonError(message("refused.no_token", number=id))
-    await here.people.accounts.register.revoke(id, by=asker.name or _OF_MACHINE)
+    await here.people.accounts.register.revoke(id, by=by)
 
 
 def listed_people(here: Context) -> list[PersonReply]:
