@@ -18,6 +18,8 @@ from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 CAMPAIGNS = "/api/v1/campaigns"
+ARCHIVE = write_campaign_zip(make_campaign())
+FORM = {"file": ("left arm.zip", ARCHIVE, "application/zip")}
 
 
 @pytest.fixture
@@ -34,37 +36,31 @@ def zipped(**files):
 
 
 async def test_an_upload_comes_back_byte_for_byte(client):
-    archive = write_campaign_zip(make_campaign())
-
-    stored = await client.post(CAMPAIGNS, content=archive, headers=ZIP, params={"name": "mine"})
+    stored = await client.post(CAMPAIGNS, content=ARCHIVE, headers=ZIP, params={"name": "mine"})
     back = await client.get(stored.json()["archive_url"])
 
     assert stored.status_code == 201
     assert stored.json()["name"] == "mine"
     assert stored.json()["calibration_points"] == len(make_campaign().calibration)
-    assert back.content == archive
+    assert back.content == ARCHIVE
     assert back.headers["content-type"] == "application/zip"
 
 
 async def test_a_form_with_a_file_serves_as_well(client):
-    archive = write_campaign_zip(make_campaign())
-
-    stored = await client.post(CAMPAIGNS, files={"file": ("left arm.zip", archive, "application/zip")})
+    stored = await client.post(CAMPAIGNS, files=FORM)
 
     assert stored.status_code == 201, stored.text
     assert stored.json()["name"] == "left arm"
 
 
 async def test_the_day_of_the_readings_is_asked_for_and_not_made_up(client):
-    silent = write_campaign_zip(make_campaign())
     dated = write_campaign_zip(make_campaign(measured_on=date(2025, 11, 3)))
-    file = {"file": ("left arm.zip", silent, "application/zip")}
 
     told = [
-        await client.post(CAMPAIGNS, content=silent, headers=ZIP),
-        await client.post(CAMPAIGNS, content=silent, headers=ZIP, params={"measured_on": "2026-03-03"}),
-        await client.post(CAMPAIGNS, files=file, data={"measured_on": "2026-03-03"}),
-        await client.post(CAMPAIGNS, files=file, data={"measured_on": ""}),
+        await client.post(CAMPAIGNS, content=ARCHIVE, headers=ZIP),
+        await client.post(CAMPAIGNS, content=ARCHIVE, headers=ZIP, params={"measured_on": "2026-03-03"}),
+        await client.post(CAMPAIGNS, files=FORM, data={"measured_on": "2026-03-03"}),
+        await client.post(CAMPAIGNS, files=FORM, data={"measured_on": ""}),
         await client.post(CAMPAIGNS, content=dated, headers=ZIP),
         await client.post(CAMPAIGNS, content=dated, headers=ZIP, params={"measured_on": "2026-03-03"}),
     ]
@@ -78,7 +74,7 @@ async def test_whose_readings_they_are_is_as_somebody_says(client):
     said = {"robot_serial_number": "120-2"}
 
     answers = [
-        await client.post(CAMPAIGNS, content=write_campaign_zip(make_campaign()), headers=ZIP),
+        await client.post(CAMPAIGNS, content=ARCHIVE, headers=ZIP),
         await client.post(CAMPAIGNS, content=told, headers=ZIP),
         await client.post(CAMPAIGNS, content=told, headers=ZIP, params=said),
         await client.post(CAMPAIGNS, files={"file": ("a.zip", told, "application/zip")}, data=said),
@@ -95,12 +91,9 @@ async def test_whose_readings_they_are_is_as_somebody_says(client):
 
 @pytest.mark.parametrize("said", ["3 March", "1700006400", "1700006400000", "2026-02-30"])
 async def test_a_day_that_is_none_is_refused_and_nothing_is_stored(client, said):
-    archive = write_campaign_zip(make_campaign())
-    file = {"file": ("left arm.zip", archive, "application/zip")}
-
     refused = [
-        await client.post(CAMPAIGNS, content=archive, headers=ZIP, params={"measured_on": said}),
-        await client.post(CAMPAIGNS, files=file, data={"measured_on": said}),
+        await client.post(CAMPAIGNS, content=ARCHIVE, headers=ZIP, params={"measured_on": said}),
+        await client.post(CAMPAIGNS, files=FORM, data={"measured_on": said}),
     ]
 
     assert [reply.status_code for reply in refused] == [422, 422]
@@ -109,10 +102,9 @@ async def test_a_day_that_is_none_is_refused_and_nothing_is_stored(client, said)
 
 
 async def test_an_upload_sent_twice_with_one_key_is_stored_once(client):
-    archive, headers = write_campaign_zip(make_campaign()), {**ZIP, "Idempotency-Key": "u-1"}
+    sent = {"content": ARCHIVE, "headers": {**ZIP, "Idempotency-Key": "u-1"}}
 
-    first = await client.post(CAMPAIGNS, content=archive, headers=headers)
-    again = await client.post(CAMPAIGNS, content=archive, headers=headers)
+    first, again = [await client.post(CAMPAIGNS, **sent) for _ in range(2)]
 
     assert first.json() == again.json()
     assert len((await client.get(CAMPAIGNS)).json()) == 1
@@ -122,7 +114,7 @@ async def test_an_upload_sent_twice_with_one_key_is_stored_once(client):
     ("archive", "sentence"),
     [
         (b"PK no zip at all", "not a whole zip file"),
-        (write_campaign_zip(make_campaign())[:-30], "not a whole zip file"),
+        (ARCHIVE[:-30], "not a whole zip file"),
         (zipped(readme__txt="hello"), "no campaign.json in the archive"),
         (zipped(campaign__json="{"), "campaign.json"),
         (b"", "the zip of a campaign folder is required"),
@@ -274,10 +266,10 @@ async def held_turn(uploads):
 
 
 async def test_an_upload_that_was_stored_is_not_read_again_for_its_key(app, client):
-    archive, headers = write_campaign_zip(make_campaign()), {**ZIP, "Idempotency-Key": "u-1"}
-    first = await client.post(CAMPAIGNS, content=archive, headers=headers)
+    sent = {"content": ARCHIVE, "headers": {**ZIP, "Idempotency-Key": "u-1"}}
+    first = await client.post(CAMPAIGNS, **sent)
     app.state.context.campaign_desk.uploads = Uploads(Waiting())
 
-    again = await client.post(CAMPAIGNS, content=archive, headers=headers)
+    again = await client.post(CAMPAIGNS, **sent)
 
     assert again.json() == first.json()

@@ -59,8 +59,17 @@ async def brought(client, **files):
     return path
 
 
-async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, app):
-    path = await brought(client, mine__csv=plain())
+@pytest.fixture
+async def path(client):
+    """The address of a draft with one table."""
+    return await brought(client, mine__csv=plain())
+
+
+def page_of(path):
+    return path.replace("/api/v1/drafts", "/bring")
+
+
+async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, app, path):
     asked = (await client.get(f"{path}/understood")).json()
     early = await client.post(f"{path}/campaign", json={})
     said = {"measured_on": "2026-03-03", "measured_by": "Ada", "instrument": "AT960", "certificate": "7"}
@@ -88,8 +97,7 @@ async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, a
     assert (summary.measured_by, summary.instrument, summary.certificate) == ("Ada", "AT960", "7")
 
 
-async def test_a_draft_whose_job_is_refused_makes_one_campaign(client, monkeypatch):
-    path = await brought(client, mine__csv=plain())
+async def test_a_draft_whose_job_is_refused_makes_one_campaign(client, path, monkeypatch):
     await client.patch(path, json={"measured_on": "2026-03-03"})
 
     with monkeypatch.context() as few:
@@ -107,8 +115,9 @@ async def test_a_draft_whose_job_is_refused_makes_one_campaign(client, monkeypat
     ("refusal", "readings"),
     [(TaskRefusedError("mine.csv cannot be read.", "TP-4014"), 1), (TaskRefusedError("It took long."), 2)],
 )
-async def test_what_was_refused_is_asked_again_only_where_it_may_pass(client, monkeypatch, refusal, readings):
-    path = await brought(client, mine__csv=plain())
+async def test_what_was_refused_is_asked_again_only_where_it_may_pass(
+    client, path, monkeypatch, refusal, readings
+):
     look = AsyncMock(side_effect=refusal)
     monkeypatch.setattr(Uploads, "look", look)
 
@@ -136,8 +145,7 @@ async def test_a_corrected_line_is_told_with_the_results_and_the_file_stays_as_i
     assert b"brought/mine.csv" in archive
 
 
-async def test_a_draft_survives_its_service(client, app, tmp_path):
-    path = await brought(client, mine__csv=plain())
+async def test_a_draft_survives_its_service(client, app, path):
     await client.patch(path, json={"measured_on": "2026-03-03"})
 
     restarted = DraftFolder(app.state.context.database.file.with_name("drafts"))
@@ -185,14 +193,13 @@ async def test_what_makes_no_sense_is_refused(client, said):
     assert (await client.patch(path, json=said)).status_code == 422
 
 
-async def test_a_draft_is_thrown_away_and_its_number_is_not_used_again(client):
-    first = await brought(client, mine__csv=plain())
-    gone = await client.delete(first)
+async def test_a_draft_is_thrown_away_and_its_number_is_not_used_again(client, path):
+    gone = await client.delete(path)
     second = await brought(client)
 
     assert gone.status_code == 204
-    assert (await client.get(first)).status_code == 404
-    assert first != second
+    assert (await client.get(path)).status_code == 404
+    assert path != second
 
 
 async def test_more_than_a_draft_holds_is_refused_and_not_kept(client):
@@ -206,10 +213,8 @@ async def test_more_than_a_draft_holds_is_refused_and_not_kept(client):
     assert (await client.get(path)).json()["files"] == []
 
 
-async def test_the_page_asks_the_one_question_and_shows_every_guess(client):
-    path = await brought(client, mine__csv=plain())
-
-    answer = await client.get(path.replace("/api/v1/drafts", "/bring"))
+async def test_the_page_asks_the_one_question_and_shows_every_guess(client, path):
+    answer = await client.get(page_of(path))
     page = Page(answer.text)
 
     assert answer.status_code == 200
@@ -224,7 +229,7 @@ async def test_the_page_shows_the_first_wrong_cell_in_its_place(client):
     text[14] = ",".join([*text[14].split(",")[:8], "<script>alert(1)</script>", *text[14].split(",")[9:]])
     path = await brought(client, mine__csv="\n".join(text).encode())
 
-    answer = await client.get(path.replace("/api/v1/drafts", "/bring"))
+    answer = await client.get(page_of(path))
     marked = [attributes for tag, attributes in Page(answer.text).elements if attributes.get("aria-invalid")]
 
     assert "mine.csv, line 15" in answer.text
@@ -232,11 +237,10 @@ async def test_the_page_shows_the_first_wrong_cell_in_its_place(client):
     assert "<script>alert" not in answer.text
 
 
-async def test_readings_that_were_brought_are_nowhere_called_simulated(client):
-    path = await brought(client, mine__csv=plain())
+async def test_readings_that_were_brought_are_nowhere_called_simulated(client, path):
     await client.patch(path, json={"measured_on": "2026-03-03"})
 
-    for address in ("/bring", path.replace("/api/v1/drafts", "/bring")):
+    for address in ("/bring", page_of(path)):
         main = (await client.get(address)).text.partition("<main")[2]
         assert "simulated" not in main.replace("The example is a simulated robot", "").lower()
 
@@ -245,7 +249,7 @@ async def test_the_example_says_that_it_is_simulated(client):
     path = (await client.post(DRAFTS, json={"example": True})).headers["Location"]
 
     understood = (await client.get(f"{path}/understood")).json()
-    page = Page((await client.get(path.replace("/api/v1/drafts", "/bring"))).text)
+    page = Page((await client.get(page_of(path))).text)
 
     assert understood["ready"]
     assert understood["simulated"]

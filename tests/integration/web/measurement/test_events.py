@@ -6,8 +6,7 @@ import json
 import httpx
 import pytest
 
-from tests.helpers.web.clients import command
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import begun, number_of, planned
 from tests.integration.web.listening import listening
 from truepose.app import create_app
 from truepose.web.api import events as streams
@@ -43,16 +42,6 @@ async def events(client, count=None, last_event_id=None, opened=None, **query):
     return found
 
 
-async def planned(client):
-    answer = await client.post("/api/v1/sessions", json=session_request())
-    return answer.json()["id"]
-
-
-async def run(client, number):
-    await command(client, f"/api/v1/sessions/{number}", "start")
-    await command(client, f"/api/v1/sessions/{number}", "confirm")
-
-
 async def until_finished(client, number):
     found = await events(client, 1, session_id=number)
     while found[-1][2].get("state") != "finished":
@@ -61,8 +50,7 @@ async def until_finished(client, number):
 
 
 async def test_a_session_is_told_from_its_plan_to_its_end(client):
-    number = await planned(client)
-    await run(client, number)
+    number = number_of(await begun(client))
 
     told = await until_finished(client, number)
     states = [document["state"] for _, kind, document in told if kind == "session.state"]
@@ -74,8 +62,7 @@ async def test_a_session_is_told_from_its_plan_to_its_end(client):
 
 
 async def test_a_client_that_resumes_misses_nothing_and_hears_nothing_twice(client):
-    number = await planned(client)
-    await run(client, number)
+    number = number_of(await begun(client))
     whole = await until_finished(client, number)
 
     for split in (1, len(whole) // 2, len(whole) - 1):
@@ -92,14 +79,14 @@ async def test_without_a_record_the_stream_begins_with_what_happens_next(client)
     following = asyncio.create_task(events(client, 1, opened=opened))
     await opened.wait()
 
-    second = await planned(client)
+    second = number_of(await planned(client))
 
     ((_, kind, document),) = await following
     assert (kind, document["session_id"]) == ("session.state", second)
 
 
 async def test_last_event_id_0_tells_everything_from_the_first(client):
-    first, second = await planned(client), await planned(client)
+    first, second = [number_of(await planned(client)) for _ in range(2)]
 
     told = await events(client, 2, 0)
 
@@ -107,7 +94,7 @@ async def test_last_event_id_0_tells_everything_from_the_first(client):
 
 
 async def test_a_bounded_stream_ends_by_itself(client):
-    number = await planned(client)
+    number = number_of(await planned(client))
 
     told = await events(client, session_id=number, stop_after_s=1.0)
 

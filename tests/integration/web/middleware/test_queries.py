@@ -16,18 +16,17 @@ async def refusal(client, path):
     return refused.json()["detail"]
 
 
-async def test_a_misspelt_parameter_is_refused_with_the_one_that_was_meant(client):
-    assert await refusal(client, f"{SESSIONS}?limt=3") == "query.limt: unknown parameter; you may mean limit."
-
-
-async def test_a_parameter_like_no_other_is_refused_with_all_that_there_are(client):
-    assert (await refusal(client, "/api/v1/jobs?state=failed")).endswith("valid parameters are after, limit.")
-
-
-async def test_where_no_parameter_is_taken_none_is_passed_over(client):
-    assert (await refusal(client, "/api/v1/devices/tracker?limit=3")).endswith(
-        "no parameters are accepted here."
-    )
+@pytest.mark.parametrize(
+    ("path", "says"),
+    [
+        (f"{SESSIONS}?limt=3", "query.limt: unknown parameter; you may mean limit."),
+        ("/api/v1/jobs?state=failed", "valid parameters are after, limit."),
+        ("/api/v1/devices/tracker?limit=3", "no parameters are accepted here."),
+    ],
+    ids=["misspelt", "like no other", "none is taken"],
+)
+async def test_an_unknown_parameter_is_refused_with_what_may_have_been_meant(client, path, says):
+    assert (await refusal(client, path)).endswith(says)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """A service that asks who somebody is: people of every role, and what each of them shows."""
 
+import contextlib
 import shutil
 from dataclasses import dataclass
 
@@ -8,6 +9,7 @@ import pytest
 import pytest_asyncio
 from argon2 import PasswordHasher
 
+from tests.helpers.web.clients import client_of
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
 from truepose.domain.people import Person, Role
@@ -33,6 +35,34 @@ def cheap_hashes(request, monkeypatch):
         monkeypatch.setattr(secrets, "_HASHER", hasher)
         monkeypatch.setattr(secrets, "MEMORY_KIB", 8)
         monkeypatch.setattr(sign_ins, "NOBODYS", hasher.hash("of nobody"))
+
+
+@contextlib.asynccontextmanager
+async def browser_at(app, peer="127.0.0.1", **headers):
+    """A browser at an address that shows pages of the service."""
+    async with client_of(app, peer) as opened:
+        opened.headers.update(ORIGIN | headers)
+        yield opened
+
+
+@pytest.fixture
+def accounts(app):
+    return app.state.context.people.accounts
+
+
+@pytest.fixture
+def later(accounts, monkeypatch):
+    """Let time go by for everything that looks at the clock."""
+    passed = [0.0]
+    began = accounts.register.time.elapsed_s
+    monkeypatch.setattr(accounts.register.time, "elapsed_s", lambda: began() + passed[0])
+    for keeper in (accounts.sign_ins, accounts.attempts.guesses, accounts.attempts.of_strangers):
+        monkeypatch.setattr(keeper, "_elapsed_s", lambda: began() + passed[0])
+
+    def go_by(seconds):
+        passed[0] += seconds
+
+    return go_by
 
 
 @dataclass

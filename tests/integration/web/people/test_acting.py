@@ -7,10 +7,10 @@ import logging
 import pytest
 
 from tests.helpers.machine import HANGS_S
-from tests.helpers.web.clients import client_of, command, until
+from tests.helpers.web.clients import command, until
 from tests.helpers.web.routes import asked
 from tests.integration.web.bench import session_request
-from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
+from tests.integration.web.people.conftest import PASSWORD, PIN, browser_at, peopled
 from truepose.domain.people import Role
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.messages.message import leading_key
@@ -235,8 +235,7 @@ async def test_no_secret_is_in_a_log_an_act_or_an_answer(house, app, caplog, sta
     secrets = {"canary password 7f3a", "990417", "CANARYBADGE77"}
     _, link = await house.here.accounts.enter("Eve", Role.VIEWER, "a test")
     answers = []
-    async with client_of(app) as browser:
-        browser.headers.update(ORIGIN)
+    async with browser_at(app) as browser:
         body = {"secret": link, "password": "canary password 7f3a", "pin": "990417", "badge": "CANARYBADGE77"}
         answers += [await browser.post("/api/v1/links/accepted", json=body | {"badge": " "})]
         answers += [await browser.post("/api/v1/links/accepted", json=body)]

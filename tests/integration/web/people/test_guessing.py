@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.helpers.web.clients import client_of, served
-from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN
+from tests.helpers.web.clients import served
+from tests.integration.web.people.conftest import PASSWORD, PIN, browser_at
 from truepose.app import create_app
 from truepose.people.attempts import FROM_ALL_ADDRESSES, GUESSES, WRONG_PINS
 
@@ -13,31 +13,18 @@ WRONG = {"name": "Ada Byron", "password": "not this one"}
 
 
 @pytest.fixture
-async def entered(app):
+async def entered(app, accounts):
     """A service in which Ada is entered and nobody has signed in; gives its accounts."""
-    accounts = app.state.context.people.accounts
-    async with client_of(app, "192.168.1.10") as browser:
-        browser.headers.update(ORIGIN)
+    async with browser_at(app, "192.168.1.10") as browser:
         first = {"secret": accounts.first_secret, "name": "Ada Byron", "password": PASSWORD, "pin": PIN}
         told = await browser.post("/api/v1/first-person", json=first)
         assert told.status_code == 201, told.text
     return accounts
 
 
-@pytest.fixture
-def later(entered, monkeypatch):
-    """Let time go by for what counts attempts."""
-    passed = [0.0]
-    began = entered.register.time.elapsed_s
-    for keeper in (entered.attempts.guesses, entered.attempts.of_strangers):
-        monkeypatch.setattr(keeper, "_elapsed_s", lambda: began() + passed[0])
-    return passed
-
-
 async def asked(app, address, path, body, cookies=None):
     """Return the status of a request from an address."""
-    async with client_of(app, address) as browser:
-        browser.headers.update(ORIGIN)
+    async with browser_at(app, address) as browser:
         browser.cookies.update(cookies or {})
         return (await browser.post(path, json=body)).status_code
 
@@ -65,7 +52,7 @@ async def test_a_pin_before_a_motion_is_taken_whatever_strangers_guess(app, ente
 async def test_guesses_from_everywhere_are_few_and_known_places_stay_open(app, entered, later):
     most = FROM_ALL_ADDRESSES.at_once
     codes = [(await tried(app, f"198.51.100.{k}", WRONG))[0] for k in range(most + 3)]
-    later[0] += FROM_ALL_ADDRESSES.refill_s
+    later(FROM_ALL_ADDRESSES.refill_s)
     codes += [(await tried(app, f"198.51.101.{k}", WRONG))[0] for k in range(3)]
 
     assert codes == [401] * most + [429] * 3 + [401] + [429] * 2
@@ -92,8 +79,7 @@ async def test_known_places_outlast_the_service(settings, bench):
     app = create_app(settings, bench.registry())
     async with app.router.lifespan_context(app):
         accounts = app.state.context.people.accounts
-        async with client_of(app, "192.168.1.10") as browser:
-            browser.headers.update(ORIGIN)
+        async with browser_at(app, "192.168.1.10") as browser:
             first = {"secret": accounts.first_secret, "name": "Ada Byron", "password": PASSWORD}
             await browser.post("/api/v1/first-person", json=first)
             assert (await browser.delete(PRESENT)).status_code == 204
@@ -115,7 +101,7 @@ async def test_pins_guessed_at_one_tablet_leave_the_others_alone(app, entered, l
     for k in range(3):  # signing in again and again gives no further guesses
         foreign = {"truepose_sign_in": (await entered.sign_ins.opened(vera, f"tablet {k}")).secret}
         for _ in range(WRONG_PINS):
-            later[0] += 60.0
+            later(60)
             assert await asked(app, "192.168.1.11", f"{PRESENT}/person", guess, foreign) == 401
 
     right = {"name": "Ada Byron", "pin": PIN}

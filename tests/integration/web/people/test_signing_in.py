@@ -7,7 +7,7 @@ import time
 import pytest
 
 from tests.helpers.web.clients import client_of, command, served
-from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN
+from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, browser_at
 from truepose.app import create_app
 from truepose.domain.people import Role
 from truepose.people import secrets
@@ -40,29 +40,8 @@ async def ada(client):
 @pytest.fixture
 async def elsewhere(app):
     """Another browser, which nobody has signed in."""
-    async with client_of(app) as opened:
-        opened.headers.update(ORIGIN)
+    async with browser_at(app) as opened:
         yield opened
-
-
-@pytest.fixture
-def accounts(app):
-    return app.state.context.people.accounts
-
-
-@pytest.fixture
-def later(accounts, monkeypatch):
-    """Let time go by for everything that looks at the clock."""
-    passed = [0.0]
-    began = accounts.register.time.elapsed_s
-    monkeypatch.setattr(accounts.register.time, "elapsed_s", lambda: began() + passed[0])
-    for keeper in (accounts.sign_ins, accounts.attempts.guesses, accounts.attempts.of_strangers):
-        monkeypatch.setattr(keeper, "_elapsed_s", lambda: began() + passed[0])
-
-    def go_by(seconds):
-        passed[0] += seconds
-
-    return go_by
 
 
 async def invited(ada, browser, name, role, pin=PIN):
@@ -381,8 +360,7 @@ async def proxied(settings, bench):
 
 async def guessed(app, peer, forwarded):
     """Return how many of eight guesses at unlike names are looked at."""
-    async with client_of(app, peer) as opened:
-        opened.headers.update(ORIGIN | {"X-Forwarded-For": forwarded})
+    async with browser_at(app, peer, **{"X-Forwarded-For": forwarded}) as opened:
         wrong = [{"name": f"Person {k}", "password": "not this one"} for k in range(8)]
         replies = [await opened.post("/api/v1/sign-ins", json=one) for one in wrong]
     return [reply.status_code for reply in replies].count(401)
