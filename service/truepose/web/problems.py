@@ -53,7 +53,7 @@ from truepose.sessions.errors import (
 )
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 from truepose.web.middleware.language import in_words, reader_words
-from truepose.web.pages.rendering import visit_of
+from truepose.web.pages.rendering import MissingPageError, visit_of
 from truepose.web.schemas import ANOTHER_PERSON, KEY, VISIBLE
 from truepose_drivers.errors import DeviceRefusedError, DriverError
 
@@ -216,6 +216,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _on_http)
     app.add_exception_handler(TrueposeError, _on_refusal)
     app.add_exception_handler(DriverError, _on_refusal)
+    app.add_exception_handler(MissingPageError, _on_missing_page)
     app.add_exception_handler(Exception, _on_failure)
     app.add_exception_handler(ClientDisconnect, _on_nobody)
 
@@ -229,6 +230,11 @@ async def _on_refusal(request: Request, error: Exception) -> Response:
         headers = {"Retry-After": str(error.retry_after_s)}
     kind = next((kind for of, kind in _KINDS.items() if isinstance(error, of)), None)
     return problem_response(request, status, text_of(error), headers, kind, code_of(error))
+
+
+async def _on_missing_page(request: Request, error: Exception) -> HTMLResponse:
+    visit = visit_of(request, request.app.state.context)
+    return visit.page("errors/missing.html", HTTPStatus.NOT_FOUND)
 
 
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:

@@ -17,8 +17,8 @@ from truepose.messages.message import message
 from truepose.storage.drafts import Draft
 from truepose.storage.records import JobKind
 from truepose.storage.results.items import WorkKind
-from truepose.web.pages.records import missing, record_at, trail_of
-from truepose.web.pages.rendering import Visited
+from truepose.web.pages.records import record_at, trail_of
+from truepose.web.pages.rendering import MissingPageError, Visited
 
 router = APIRouter(include_in_schema=False)
 _CALLED: Final = {
@@ -101,8 +101,9 @@ async def bring_page(visit: Visited) -> HTMLResponse:
 @router.get("/bring/{id}", response_class=HTMLResponse)
 async def draft_page(visit: Visited, id: str) -> HTMLResponse:
     """Show how files were understood, and what is to be done next: a fault, a question, or to begin."""
-    draft = await record_at(id, visit.here.draft_desk.get)
-    if draft is None:
+    try:
+        draft = await record_at(id, visit.here.draft_desk.get)
+    except MissingPageError:
         return visit.page("bring/no_draft.html", HTTPStatus.NOT_FOUND)
     found = await visit.here.draft_desk.understood(draft)
     jobs = [await visit.here.jobs.get(number) for number in draft.job_ids]
@@ -208,8 +209,6 @@ _COUNTS = {
 async def campaign_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a campaign."""
     record = await record_at(id, visit.here.campaigns.get)
-    if record is None:
-        return missing(visit)
     counts = [(key, getattr(record.summary, name)) for name, key in _COUNTS.items()]
     trail = await trail_of(visit, WorkKind.CAMPAIGN, record.id)
     return visit.page("campaign.html", record=record, counts=[one for one in counts if one[1]], trail=trail)

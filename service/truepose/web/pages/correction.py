@@ -14,7 +14,7 @@ from truepose.storage.records import CorrectionRecord
 from truepose.storage.results.items import WorkKind
 from truepose.web.api.corrections import ANGLES, corrected_name
 from truepose.web.context import Context
-from truepose.web.pages.records import missing, record_at, trail_of
+from truepose.web.pages.records import record_at, trail_of
 from truepose.web.pages.rendering import Visited
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow
 from truepose.web.pages.session_results import Choice
@@ -51,8 +51,6 @@ async def corrections_page(visit: Visited, wanted: WantedModel = None) -> HTMLRe
 async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResponse:
     """Show what a file came to, with its targets."""
     record = await record_at(id, visit.here.corrections.get)
-    if record is None:
-        return missing(visit)
     from truepose.reports.correction import correction_sentences
 
     report = await _report(visit.here, record, visit.words)

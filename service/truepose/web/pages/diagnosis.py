@@ -18,7 +18,7 @@ from truepose.storage.results.items import WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_result
-from truepose.web.pages.records import missing, record_at, trail_of
+from truepose.web.pages.records import record_at, trail_of
 from truepose.web.pages.rendering import Visited, Whole, moment
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
 from truepose.web.pages.session_results import Choice
@@ -60,8 +60,6 @@ async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLR
     """Show a diagnosis as its report."""
     here = visit.here
     record = await record_at(id, here.diagnoses.get)
-    if record is None:
-        return missing(visit)
     return visit.page(
         "results/diagnosis.html",
         record=record,

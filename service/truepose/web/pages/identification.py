@@ -17,7 +17,7 @@ from truepose.storage.results.items import WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_result
-from truepose.web.pages.records import missing, record_at, trail_of
+from truepose.web.pages.records import record_at, trail_of
 from truepose.web.pages.rendering import Visit, Visited, Whole, render, render_part
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
 from truepose.web.pages.session_results import Choice
@@ -47,13 +47,11 @@ async def validation_page(visit: Visited, id: str, whole: Whole = False) -> HTML
 
 async def _report_page(
     visit: Visit,
-    record: IdentificationRecord | ValidationRecord | None,
+    record: IdentificationRecord | ValidationRecord,
     report: ReportKind,
     *,
     whole: bool,
 ) -> HTMLResponse:
-    if record is None:
-        return missing(visit)
     found = record.identification if isinstance(record, IdentificationRecord) else record.validation
     return visit.page(
         f"results/{report.name}.html",
@@ -68,8 +66,6 @@ async def _report_page(
 async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a model: what it says of the robot, and the forms in which it can be taken."""
     record = await record_at(id, visit.here.results.model)
-    if record is None:
-        return missing(visit)
     of = f"model {record.id} {record.recorded_at}"
     told = await render_part(
         visit, of, lambda: asyncio.to_thread(_rendered, record, visit.words), whole=whole

@@ -2,10 +2,7 @@
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
-from http import HTTPStatus
 from typing import Final, TypeVar
-
-from fastapi.responses import HTMLResponse
 
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import Catalogue
@@ -13,7 +10,7 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import JobKind, JobState
 from truepose.storage.results.items import WorkItem, WorkKind
 from truepose.web.pages.next_action import NextAction, action_after
-from truepose.web.pages.rendering import Visit, moment
+from truepose.web.pages.rendering import MissingPageError, Visit, moment
 from truepose.web.resources import number_of
 
 _PLURALS: Final = {WorkKind.DIAGNOSIS: "diagnoses"}
@@ -144,17 +141,12 @@ async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
     return Trail(address_of(kind, number), report, links, action_after(lineage))
 
 
-async def record_at(id: str, get: Callable[[int], Awaitable[Record]]) -> Record | None:
-    """Return the record of a number in an address; None where it names none."""
+async def record_at(id: str, get: Callable[[int], Awaitable[Record]]) -> Record:
+    """Return the record of a number in an address; raises MissingPageError where it names none."""
     number = number_of(id)
     if number is None:
-        return None
+        raise MissingPageError
     try:
         return await get(number)
-    except NotFoundError:
-        return None
-
-
-def missing(visit: Visit) -> HTMLResponse:
-    """Return the page of an address that names no record."""
-    return visit.page("errors/missing.html", HTTPStatus.NOT_FOUND)
+    except NotFoundError as error:
+        raise MissingPageError from error

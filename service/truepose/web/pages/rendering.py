@@ -155,6 +155,10 @@ def visit_of(request: Request, here: Context) -> Visit:
     return Visit(request, here, wanted_words(request), look or LOOKS[0])
 
 
+class MissingPageError(Exception):
+    """An address names no record; `problems` answers with the page that says so."""
+
+
 async def _visit(request: Request, here: Here) -> Visit:
     return visit_of(request, here)
 

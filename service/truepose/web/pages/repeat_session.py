@@ -18,7 +18,7 @@ from truepose.storage.results.items import WorkKind
 from truepose.web.api.repeat_session import Template, template_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import expiry_warnings
-from truepose.web.pages.records import Link, link_to, missing, record_at
+from truepose.web.pages.records import Link, link_to, record_at
 from truepose.web.pages.rendering import Visit, Visited
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
@@ -39,8 +39,6 @@ class EarlierSession:
 async def again_page(visit: Visited, id: str) -> HTMLResponse:
     """Show what is taken over from a session, what is different now, and a form that plans it once more."""
     template = await record_at(id, partial(template_of, visit.here))
-    if template is None:
-        return missing(visit)
     now, words = visit.here.cell, visit.words
     same_robot = template.then.cell.robot.name == now.robot.name
     warnings = (*differences(template.then.cell, now), *expiry_warnings(now, datetime.now(UTC).date()))

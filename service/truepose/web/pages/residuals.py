@@ -7,8 +7,8 @@ from fastapi.responses import HTMLResponse
 
 from truepose.storage.records import DiagnosisRecord, IdentificationRecord, ValidationRecord
 from truepose.storage.results.items import WorkKind
-from truepose.web.pages.records import address_of, missing, record_at, title_of
-from truepose.web.pages.rendering import Visit, Visited
+from truepose.web.pages.records import address_of, record_at, title_of
+from truepose.web.pages.rendering import MissingPageError, Visit, Visited
 
 _Judged: TypeAlias = IdentificationRecord | ValidationRecord | DiagnosisRecord
 router = APIRouter(include_in_schema=False)
@@ -40,9 +40,9 @@ async def diagnosis_readings(visit: Visited, id: str) -> HTMLResponse:
     return _page(visit, WorkKind.DIAGNOSIS, await record_at(id, visit.here.diagnoses.get))
 
 
-def _page(visit: Visit, kind: WorkKind, record: _Judged | None) -> HTMLResponse:
-    if record is None or record.model_id is None:
-        return missing(visit)
+def _page(visit: Visit, kind: WorkKind, record: _Judged) -> HTMLResponse:
+    if record.model_id is None:
+        raise MissingPageError
     say = visit.words.say
     return visit.page(
         "results/readings.html",

@@ -23,7 +23,7 @@ from truepose.web.pages.accuracy_results import ACCURACY, POSE_TEST, PROOF
 from truepose.web.pages.conditions import closing_sentence, conditions_of_sessions
 from truepose.web.pages.geometry_results import CIRCLES, SPHERE
 from truepose.web.pages.next_action import identify_and_diagnose
-from truepose.web.pages.records import missing, record_at, session_states, state_look, trail_of
+from truepose.web.pages.records import record_at, session_states, state_look, trail_of
 from truepose.web.pages.rendering import Visited
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow
 from truepose.web.pages.session_results import (
@@ -96,8 +96,6 @@ async def _measured_before(here: Context) -> list[SessionRecord]:
 async def session_page(visit: Visited, id: str) -> Response:
     """Show where a session stands, what it asks, and what a person may do."""
     origin = await record_at(id, partial(origin_of, visit.here))
-    if origin is None:
-        return missing(visit)
     record = origin.record
     if visit.here.session_desk.kind_of(record).shown_on_tablet and not has_ended(record.state):
         return RedirectResponse(f"/operator/{record.id}")
@@ -116,8 +114,6 @@ async def session_page(visit: Visited, id: str) -> Response:
 async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     """Show what a session came to."""
     origin = await record_at(id, partial(origin_of, visit.here))
-    if origin is None:
-        return missing(visit)
     row = _row(origin)
     shown = await _result(visit.here, row, choice, visit.words)
     trail = await trail_of(visit, WorkKind.SESSION, origin.record.id)

@@ -11,7 +11,7 @@ from truepose.messages.error_codes import explain
 from truepose.storage.plant.deployments import HandedDownRepository
 from truepose.storage.records import JobRecord
 from truepose.storage.results.items import WorkKind
-from truepose.web.pages.records import MAKES, address_of, link_to, missing, record_at, state_look, title_of
+from truepose.web.pages.records import MAKES, address_of, link_to, record_at, state_look, title_of
 from truepose.web.pages.rendering import Visit, Visited
 
 router = APIRouter(include_in_schema=False)
@@ -88,7 +88,7 @@ def _texts(asked: str, words: Catalogue) -> tuple[str, ...]:
 async def job_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a job; the page follows it and goes to what it made."""
     record = await record_at(id, visit.here.jobs.get)
-    return missing(visit) if record is None else _shown(visit, record)
+    return _shown(visit, record)
 
 
 def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
