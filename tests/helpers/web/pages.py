@@ -82,3 +82,8 @@ def assert_drawn_for_pages(svg):
     assert "var(--ink)" in svg
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", svg)  # no stand-in colour is left
     assert "style" not in svg  # which a page that allows none would not show
+
+
+def links(reply):
+    """Return where the links of a page lead, in their order."""
+    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]

@@ -11,7 +11,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.web.clients import ENDED, made, until
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import Page, links
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.storage.documents import unpack
@@ -262,10 +262,6 @@ async def test_a_name_of_another_alphabet_comes_back(client, send):
 
     assert (await client.get(path)).json()["name"] == "сварка.mod"
     assert file.headers["content-disposition"].endswith("%D1%81%D0%B2%D0%B0%D1%80%D0%BA%D0%B0-corrected.mod")
-
-
-def links(reply):
-    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
 
 
 async def test_the_page_of_a_correction_says_what_became_of_each_target(client, send, model_id):

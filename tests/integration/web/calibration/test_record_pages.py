@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.helpers.storage.demo_database import write_demo
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import Page, links
 from truepose.storage.database import Database
 
 
@@ -32,10 +32,6 @@ def worker():
         return "<main><h1>As its report</h1></main>"
 
     return drawn
-
-
-def links(reply):
-    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
 
 
 def asked(reply):

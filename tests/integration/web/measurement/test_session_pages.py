@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import Page, links
 from tests.integration.web.bench import measured, number_of, planned
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.web.pages.session_results import models_of
@@ -22,10 +22,6 @@ def session(client, until):
         return number_of(await measured(client, until, **wanted))
 
     return measure
-
-
-def links(reply):
-    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
 
 
 async def test_the_list_leads_to_each_session_and_to_the_results_that_there_are(client, session):

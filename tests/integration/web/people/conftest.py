@@ -4,7 +4,6 @@ import contextlib
 import shutil
 from dataclasses import dataclass
 
-import httpx
 import pytest
 import pytest_asyncio
 from argon2 import PasswordHasher
@@ -78,15 +77,10 @@ class House:
         return self.app.state.context.people
 
     def client(self, token=None, cookie=None):
-        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
-        cookies = {} if cookie is None else {"truepose_sign_in": cookie}
-        return httpx.AsyncClient(
-            transport=httpx.ASGITransport(self.app),
-            base_url="http://localhost",
-            headers=headers | ORIGIN,
-            cookies=cookies,
-            timeout=20,
-        )
+        opened = client_of(self.app)
+        opened.headers.update(ORIGIN if token is None else ORIGIN | {"Authorization": f"Bearer {token}"})
+        opened.cookies.update({} if cookie is None else {"truepose_sign_in": cookie})
+        return opened
 
     def of(self, role):
         """Return a client of a program with the token of a role."""

@@ -3,36 +3,32 @@
 import pytest
 
 from tests.helpers.web.clients import served
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import Page, links
 from truepose.domain.people import Role
 from truepose.settings import Settings
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")
 
 
-def hrefs(page):
-    return {attributes.get("href") for tag, attributes in page.elements if tag == "a"}
-
-
 async def test_an_open_service_says_so_and_leads_to_the_first_person(client, app):
-    page = Page((await client.get("/")).text)
+    page = await client.get("/")
     way = f"/first-person/{app.state.context.people.accounts.first_secret}"
 
-    assert way in hrefs(page)
-    assert "No users yet: add an administrator" in page.text
+    assert way in links(page)
+    assert "No users yet: add an administrator" in Page(page.text).text
     assert "First administrator" in Page((await client.get(way)).text).text
 
 
 async def test_without_accounts_pages_say_so_and_lead_nowhere(settings, bench):
     off = Settings(settings.database_url, cell_file=settings.cell_file, accounts=False)
     async with served(off, bench.registry()) as client:
-        page = Page((await client.get("/")).text)
+        page = await client.get("/")
         over = await client.get(
             f"/first-person/{client._transport.app.state.context.people.accounts.first_secret}"
         )
 
-    assert "Accounts are off" in page.text
-    assert not any(href and href.startswith("/first-person") for href in hrefs(page))
+    assert "Accounts are off" in Page(page.text).text
+    assert not any(href and href.startswith("/first-person") for href in links(page))
     assert over.status_code == 401
 
 
@@ -59,14 +55,10 @@ async def test_an_administrator_sees_every_page(house, path, sees):
 
 @in_one_loop
 async def test_the_way_to_a_page_is_shown_to_whom_it_is_open(house):
-    ways = {}
+    ways, open_to = {}, {"/people", "/audit", "/account"}
     for role in (Role.ADMINISTRATOR, Role.METROLOGIST, Role.VIEWER):
         async with await house.browser(role) as browser:
-            ways[role] = hrefs(Page((await browser.get("/sessions")).text)) & {
-                "/people",
-                "/audit",
-                "/account",
-            }
+            ways[role] = open_to & set(links(await browser.get("/sessions")))
 
     assert ways == {
         Role.ADMINISTRATOR: {"/people", "/audit", "/account"},
