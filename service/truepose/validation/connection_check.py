@@ -14,19 +14,22 @@ other, not all together: where the forecast is vague, many accounts are a little
 lead nowhere.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast, Suspicion, SuspicionKind
+from truepose.domain.ballbar import Leg, PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
 from truepose.validation.misconnections import (
     LengthForecast,
     foreseen_by,
+    likeliest,
     log_likelihood,
     nothing_foreseen,
+    slip_kind,
     slips,
+    total,
 )
 
 _WRONG_S = 1000.0  # cost of a wrong length that stays
@@ -80,8 +83,8 @@ def judge_leg(
     assignments, odds = _judged(foreseen, readings, questioned=False)
     own = foreseen.index(asked)
     right = assignments[:, -1] == own
-    best, best_odds = _likeliest(assignments[~right], odds[~right])
-    if best_odds < _ASK + _total(odds[right]):
+    best, best_odds = likeliest(assignments[~right], odds[~right])
+    if best is None or best_odds < _ASK + total(odds[right]):
         return None
     expected = None if forecast is None else float(foreseen.length_mm[own])
     return _suspicion(best, len(readings) - 1, foreseen, readings, expected)
@@ -121,10 +124,10 @@ def judge_pose(
     noise, spread = _checked_noise(lengths, reading_u_mm, zero_u_mm), _checked_spread(range_mm)
     foreseen = foreseen_by(forecast, noise, spread)
     assignments, odds = _judged(foreseen, lengths, questioned=True)
-    likeliest = 1 + int(np.argmax(odds[1:]))
-    if odds[likeliest] < _REPEAT + odds[0]:
+    row = 1 + int(np.argmax(odds[1:]))
+    if odds[row] < _REPEAT + odds[0]:
         return ()
-    best = assignments[likeliest]
+    best = assignments[row]
     own = assignments[0]
     return tuple(
         _suspicion(best, reading, foreseen, lengths, float(foreseen.length_mm[own[reading]]))
@@ -163,46 +166,16 @@ def _judged(
     return assignments, before + log_likelihood(foreseen, tuple(readings), readings, assignments)
 
 
-def _total(log_odds: FloatArray) -> float:
-    """Return the log of the sum of odds that are given by their logarithms."""
-    return float(np.logaddexp.reduce(log_odds))
-
-
-def _likeliest(assignments: IntArray, odds: FloatArray) -> tuple[IntArray, float]:
-    """Return the best account of those that name the likeliest pair for the last reading, and its odds."""
-    # The prompt names one pair, so all accounts in which the reading is of that pair count together.
-    named = np.unique(assignments[:, -1])
-    shares = [_total(odds[assignments[:, -1] == pair]) for pair in named]
-    number = int(np.argmax(shares))
-    chosen = assignments[:, -1] == named[number]
-    best: IntArray = assignments[chosen][int(np.argmax(odds[chosen]))]
-    return best, shares[number]
-
-
 def _suspicion(
-    account: Sequence[int] | IntArray,
+    account: IntArray,
     reading: int,
     foreseen: LengthForecast,
     readings: Mapping[Leg, float],
     expected_mm: float | None,
 ) -> Suspicion:
     """Return the suspicion that an account raises about one reading."""
-    legs = tuple(readings)
+    legs, pairs = tuple(readings), foreseen.pairs
     instead = int(account[reading])
-    suspected = foreseen.pairs[instead] if instead < len(foreseen.pairs) else None
-    kind = _kind(suspected, account, legs, foreseen)
+    suspected = pairs[instead] if instead < len(pairs) else None
+    kind = slip_kind(account, np.array([foreseen.index(leg) for leg in legs]), instead, len(pairs))
     return Suspicion(kind, legs[reading], suspected, float(readings[legs[reading]]), expected_mm)
-
-
-def _kind(
-    suspected: Leg | None, account: Sequence[int] | IntArray, legs: Sequence[Leg], foreseen: LengthForecast
-) -> SuspicionKind:
-    """Return the kind of a slip: no pair, another one, one that was read already, or two exchanged."""
-    if suspected is None:
-        return "unlikely"
-    if suspected not in legs:
-        return "other_pair"
-    # Where the reading that the suspected pair was asked for is of it too, it was read twice; else the two
-    # were exchanged.
-    stayed = int(account[legs.index(suspected)]) == foreseen.index(suspected)
-    return "same_pair" if stayed else "exchanged"

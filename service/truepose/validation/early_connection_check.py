@@ -30,9 +30,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import TOLD_APART, ArmKind, Leg, StopLengths, Suspicion, SuspicionKind
+from truepose.domain.ballbar import TOLD_APART, ArmKind, Leg, StopLengths, Suspicion
 from truepose.domain.cell import BallbarKit
-from truepose.validation.misconnections import next_slips
+from truepose.validation.misconnections import likeliest, next_slips, slip_kind, total
 
 # With so many a reading costs milliseconds (decision 0025).
 _MOST: Final = 250  # accounts, each with a kind of arm
@@ -222,9 +222,9 @@ class Accounts:
         end = self.first[stop + 1] if stop + 1 < len(self.first) else len(self.asked)
         own = np.array(self.asked[self.first[stop] : end], dtype=np.int64)
         distinct, number = np.unique(self.taken[:, self.first[stop] : end], axis=0, return_inverse=True)
-        total = np.full(len(distinct), -np.inf)
-        np.logaddexp.at(total, number.ravel(), self.log_odds)
-        return distinct, total, own
+        log_odds = np.full(len(distinct), -np.inf)
+        np.logaddexp.at(log_odds, number.ravel(), self.log_odds)
+        return distinct, log_odds, own
 
 
 def begin(kinds: Sequence[ArmKind], kit: BallbarKit) -> Accounts:
@@ -295,14 +295,14 @@ def judge_early(after: Accounts, *, complete: bool) -> Suspicion | None:
     """
     taken, odds, asked = after.of_stop(len(after.stops) - 1)
     right = taken[:, -1] == asked[-1]
-    best, best_odds = _likeliest(taken[~right], odds[~right])
-    if best is not None and best_odds >= _threshold(best, asked, after) + _total(odds[right]):
+    best, best_odds = likeliest(taken[~right], odds[~right])
+    if best is not None and best_odds >= _threshold(best, asked, after) + total(odds[right]):
         return _suspicion(after, best, asked, len(asked) - 1)
     as_asked = (taken == asked).all(axis=1)
     if not complete or as_asked.all():
         return None
     other = int(np.argmax(np.where(as_asked, -np.inf, odds)))
-    if odds[other] < _OTHER + _total(odds[as_asked]):
+    if odds[other] < _OTHER + total(odds[as_asked]):
         return None
     wrong = int(np.flatnonzero(taken[other] != asked)[-1])
     return _suspicion(after, taken[other], asked, wrong)
@@ -324,7 +324,7 @@ def refuted_stops(accounts: Accounts) -> tuple[int, ...]:
     for stop in range(len(accounts.stops)):
         taken, odds, asked = accounts.of_stop(stop)
         as_asked = (taken == asked).all(axis=1)
-        if not as_asked.all() and odds[~as_asked].max() > _total(odds[as_asked]):
+        if not as_asked.all() and odds[~as_asked].max() > total(odds[as_asked]):
             found.append(stop)
     return tuple(found)
 
@@ -379,24 +379,8 @@ def _is_shown(here: Accounts, row: int) -> bool:
 
 def _threshold(account: IntArray, asked: IntArray, after: Accounts) -> float:
     """Return the log odds above which the person is prompted about the last reading."""
-    kind = _kind(account, asked, int(account[-1]), len(after.here.pairs))
+    kind = slip_kind(account, asked, int(account[-1]), len(after.here.pairs))
     return _AGAIN if kind == "same_pair" else _OTHER
-
-
-def _total(log_odds: FloatArray) -> float:
-    """Return the log of the sum of odds that are given by their logarithms; of none, minus infinity."""
-    return float(np.logaddexp.reduce(log_odds)) if len(log_odds) else -np.inf
-
-
-def _likeliest(taken: IntArray, odds: FloatArray) -> tuple[IntArray | None, float]:
-    """Return the best account of those that name the likeliest pair for the last reading, and its odds."""
-    if not len(taken):
-        return None, -np.inf
-    named = np.unique(taken[:, -1])
-    shares = [_total(odds[taken[:, -1] == pair]) for pair in named]
-    number = int(np.argmax(shares))
-    chosen = taken[:, -1] == named[number]
-    return taken[chosen][int(np.argmax(odds[chosen]))], shares[number]
 
 
 def _suspicion(after: Accounts, account: IntArray, asked: IntArray, reading: int) -> Suspicion:
@@ -405,19 +389,9 @@ def _suspicion(after: Accounts, account: IntArray, asked: IntArray, reading: int
     instead = int(account[reading])
     suspected = pairs[instead] if instead < len(pairs) else None
     return Suspicion(
-        _kind(account, asked, instead, len(pairs)),
+        slip_kind(account, asked, instead, len(pairs)),
         pairs[int(asked[reading])],
         suspected,
         after.lengths_mm[after.first[-1] + reading],
         after.foreseen_mm if reading == len(asked) - 1 else None,
     )
-
-
-def _kind(account: IntArray, asked: IntArray, instead: int, pairs: int) -> SuspicionKind:
-    """Return the kind of a slip: no pair, another one, one that was read already, or two exchanged."""
-    if instead == pairs:
-        return "unlikely"
-    own = np.flatnonzero(asked == instead)
-    if not len(own):
-        return "other_pair"
-    return "same_pair" if account[own[0]] == instead else "exchanged"

@@ -30,7 +30,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast
+from truepose.domain.ballbar import Leg, PoseForecast, SuspicionKind
 from truepose.domain.errors import ConfigurationError
 
 _SELECTION = 0.01  # another pair than asked: three times the table, the person stands and turns to the tablet
@@ -108,6 +108,74 @@ def next_slips(own: int, pairs: int, asked: Sequence[int], taken: IntArray, *, a
     if affirmed:
         odds[:, np.arange(pairs + 1) != own] *= _REAFFIRMED
     return np.asarray(np.log(odds))
+
+
+def total(log_odds: FloatArray) -> float:
+    """Return the log of the sum of odds that are given by their logarithms.
+
+    Parameters
+    ----------
+    log_odds : ndarray, shape (m,)
+
+    Returns
+    -------
+    float
+        Minus infinity of none.
+    """
+    return float(np.logaddexp.reduce(log_odds))
+
+
+def likeliest(assignments: IntArray, log_odds: FloatArray) -> tuple[IntArray | None, float]:
+    """Return the best account of those that name the likeliest pair for the last reading.
+
+    A prompt names one pair, so all accounts in which the reading is of that pair count together.
+
+    Parameters
+    ----------
+    assignments : ndarray of int, shape (m, k)
+        As of `slips`.
+    log_odds : ndarray, shape (m,)
+
+    Returns
+    -------
+    account : ndarray of int, shape (k,), or None
+        None of no accounts.
+    log_odds : float
+        Of all accounts that name the pair.
+    """
+    if not len(assignments):
+        return None, -np.inf
+    named = np.unique(assignments[:, -1])
+    shares = [total(log_odds[assignments[:, -1] == pair]) for pair in named]
+    number = int(np.argmax(shares))
+    chosen = assignments[:, -1] == named[number]
+    return assignments[chosen][int(np.argmax(log_odds[chosen]))], shares[number]
+
+
+def slip_kind(account: IntArray, asked: IntArray, instead: int, pairs: int) -> SuspicionKind:
+    """Return the kind of a slip: no pair, another one, one that was read already, or two exchanged.
+
+    Parameters
+    ----------
+    account, asked : ndarray of int, shape (k,)
+        What the readings are of, and what they were asked for.
+    instead : int
+        What one of them is of; `pairs` stands for nothing.
+    pairs : int
+        How many pairs there are.
+
+    Returns
+    -------
+    str
+        Where the reading that the pair was asked for is of it too, it was read twice; else two changed
+        places.
+    """
+    if instead == pairs:
+        return "unlikely"
+    own = np.flatnonzero(asked == instead)
+    if not len(own):
+        return "other_pair"
+    return "same_pair" if account[own[0]] == instead else "exchanged"
 
 
 def _single(own: IntArray, pairs: int, questioned: bool) -> tuple[IntArray, FloatArray]:
