@@ -6,7 +6,7 @@ In the folder campaign folders and zips are taken as they are; a list of points 
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -19,7 +19,18 @@ from truepose.exchange.campaigns.description import unknown_nests
 from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_from_arrays
 from truepose.exchange.campaigns.point_list import UNITS_MM, NamedPoint, Vector, read_point_list
 from truepose.exchange.campaigns.zip_file import read_campaign_at
-from truepose.exchange.document import Node, file_document, read_bytes
+from truepose.exchange.document import (
+    NUMBER,
+    TEXT,
+    VECTOR,
+    Form,
+    Key,
+    Node,
+    each,
+    file_document,
+    read_bytes,
+    read_keys,
+)
 from truepose.exchange.errors import BadValueError, InputFileError, MissingEntryError
 from truepose.exchange.robots.named import campaign_keys, named_robot
 from truepose.exchange.tables.rows import MOST_ROWS, numbered_rows, parts, read_header
@@ -29,7 +40,7 @@ _POINT: Final = "point"  # column of names in the table of joints
 AT_THE_END: Final = "*{config}"
 _FIELDS: Final = ("config", "nest")
 
-Key = tuple[str, ...]
+RowKey = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +65,7 @@ class _Row:
     line: int
     cells: Mapping[str, str]
 
-    def key(self, by: Key) -> Key:
+    def key(self, by: RowKey) -> RowKey:
         return tuple(_plain(self.cells[column].strip()) for column in by)
 
 
@@ -113,13 +124,13 @@ def join_tables(
     )
 
 
-def _fields(names: str) -> Key:
+def _fields(names: str) -> RowKey:
     if "{config}" not in names:
         raise ConfigurationError(f"{names!r} does not say where {{config}} stands in a point's name.")
     return tuple(field for field in _FIELDS if f"{{{field}}}" in names)
 
 
-def _require_columns(file: str, line: int, header: Sequence[str], by: Key) -> None:
+def _require_columns(file: str, line: int, header: Sequence[str], by: RowKey) -> None:
     for column in by:
         if column not in header:
             raise MissingEntryError(
@@ -129,7 +140,7 @@ def _require_columns(file: str, line: int, header: Sequence[str], by: Key) -> No
             )
 
 
-def _key(point: NamedPoint, by: Key, names: str) -> Key:
+def _key(point: NamedPoint, by: RowKey, names: str) -> RowKey:
     """Return what a point's name says of its row; nothing where it does not look as stated."""
     if by == (_POINT,):
         return (_plain(point.name),)
@@ -180,14 +191,13 @@ def _measured(file: str, pairs: Pairs, u_mm: float | None) -> dict[str, FloatArr
     }
 
 
-def _nothing_fits(points: Sequence[NamedPoint], table: Sequence[_Row], by: Key) -> str:
+def _nothing_fits(points: Sequence[NamedPoint], table: Sequence[_Row], by: RowKey) -> str:
     names = ", ".join(shown(point.name) for point in points[:3])
     rows = ", ".join(" ".join(row.key(by))[:30] for row in table[:3])
     return f"no point belongs to a row: points are called {names}, rows have {' and '.join(by)} {rows}"
 
 
 STATED: Final = "import.toml"  # where a folder of lists states it
-_KEYS: Final = frozenset({"robot", "unit", "u_mm", "names", "nests_mm", "nest_u_mm"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,35 +233,30 @@ def import_points(points: Path, joints: Path, stated: Stated) -> tuple[Campaign,
         raise type(error)(error.sentence, file=joints.name, line=line, column=error.column) from error
 
 
-def read_stated(file: Path) -> Stated:
-    """Read `import.toml`; a robot's file is looked for beside it. Raises InputFileError."""
-    root = file_document(file)
-    for unknown in root.unlisted(_KEYS):
-        unknown.fail(f"the keys are {', '.join(sorted(_KEYS))}")
-    unit, names = root.optional("unit"), root.optional("names")
-    beside = file.parent / root.key("robot").text()
-    return Stated(
-        robot=str(beside) if beside.is_file() else root.key("robot").text(),
-        unit=None if unit is None else _unit(unit),
-        u_mm=_stated_number(root.optional("u_mm")),
-        names=AT_THE_END if names is None else names.text(),
-        nests_mm=tuple(centre.vector() for centre in _items(root.optional("nests_mm"))),
-        nest_u_mm=_stated_number(root.optional("nest_u_mm")),
-    )
-
-
 def _unit(node: Node) -> str:
     if node.text() not in UNITS_MM:
         node.fail(f"must be one of {', '.join(UNITS_MM)}")
     return node.text()
 
 
-def _stated_number(node: Node | None) -> float | None:
-    return None if node is None else node.number()
+_KEYS: Final = (
+    Key("robot", "robot", TEXT),
+    Key("unit", "unit", Form(_unit), absent=None),
+    Key("u_mm", "u_mm", NUMBER, absent=None),
+    Key("names", "names", TEXT, absent=AT_THE_END),
+    Key("nests_mm", "nests_mm", each(VECTOR), absent=()),
+    Key("nest_u_mm", "nest_u_mm", NUMBER, absent=None),
+)
 
 
-def _items(node: Node | None) -> Sequence[Node]:
-    return () if node is None else node.items()
+def read_stated(file: Path) -> Stated:
+    """Read `import.toml`; a robot's file is looked for beside it. Raises InputFileError."""
+    root, known = file_document(file), sorted(key.name for key in _KEYS)
+    for unknown in root.unlisted(known):
+        unknown.fail(f"the keys are {', '.join(known)}")
+    stated = Stated(**read_keys(root, _KEYS))
+    beside = file.parent / stated.robot
+    return replace(stated, robot=str(beside)) if beside.is_file() else stated
 
 
 _LISTS: Final = frozenset({".txt", ".asc", ".pts", ".csv"})

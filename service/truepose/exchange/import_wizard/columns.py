@@ -55,7 +55,7 @@ def in_format(sheet: Sheet, meanings: Sequence[ColumnMeaning]) -> ImportedTable:
     parts = [_of_point(sheet, meanings, point) for point in points]
     names = dict.fromkeys(name for part in parts for name in part)
     order = _row_by_row(len(sheet.rows), len(points))
-    columns = {name: _stacked([part[name] for part in parts if name in part])[order] for name in names}
+    columns = {name: np.concatenate([part[name] for part in parts if name in part])[order] for name in names}
     if points != [0]:
         columns["nest"] = np.tile(np.array(points, float), len(sheet.rows))
     return ImportedTable(
@@ -66,10 +66,6 @@ def in_format(sheet: Sheet, meanings: Sequence[ColumnMeaning]) -> ImportedTable:
 
 def _row_by_row(rows: int, points: int) -> npt.NDArray[np.int64]:
     return np.arange(rows * points).reshape(points, rows).T.reshape(-1)
-
-
-def _stacked(parts: Sequence[Cells]) -> Cells:
-    return np.concatenate(list(parts))
 
 
 def _require_whole(sheet: Sheet) -> None:
@@ -180,10 +176,7 @@ def join_readings(parts: Sequence[ImportedTable]) -> ImportedTable:
     """Return readings of several tables as one; a column that one of them lacks is empty there."""
     names = dict.fromkeys(name for part in parts for name in part.columns)
     columns = {
-        name: _stacked([part.columns.get(name, np.full(len(part), np.nan)) for part in parts])
+        name: np.concatenate([part.columns.get(name, np.full(len(part), np.nan)) for part in parts])
         for name in names
     }
-    return ImportedTable(
-        columns,
-        tuple(place for part in parts for place in part.places),
-    )
+    return ImportedTable(columns, tuple(place for part in parts for place in part.places))

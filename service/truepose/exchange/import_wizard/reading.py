@@ -12,7 +12,7 @@ from truepose.domain.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.exchange.campaigns.description import read_day, unknown_nests
 from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_from, campaign_from_arrays
-from truepose.exchange.document import json_document, read_bytes
+from truepose.exchange.document import Node, json_document, read_bytes
 from truepose.exchange.errors import (
     InputFileError,
     MissingEntryError,
@@ -178,32 +178,33 @@ def _guessed(found: tuple[Piece, ...], choices: Choices) -> Reading:
     understood = Understood(files_seen(found, sheets), notes=tuple(notes_on(sheets)))
     tables: dict[str, ImportedTable] = {}
     try:
-        stated = _stated(found)
+        description = _described(found)
+        stated = _stated(description)
         tables = by_role(sheets)
         missing = _missing(sheets, tables)
         if missing is not None:
             return Reading(replace(understood, questions=(missing,)))
-        dated = replace(choices, measured_on=choices.measured_on or _day(found))
+        dated = replace(choices, measured_on=choices.measured_on or _day(description))
         return _read(_Gathered(found, sheets, tables, stated, dated), understood)
     except InputFileError as error:
         return Reading(replace(understood, fault=display.display_fault(error, found, sheets)))
 
 
-def _stated(found: Sequence[Piece]) -> dict[str, object]:
-    """Return the keys of a description that was brought; those of its tables are made anew."""
-    stated: dict[str, object] = {}
-    for piece in found:
-        if piece.name == DESCRIPTION:
-            stated |= json_document(piece.name, piece.data).entries()
-    return {name: value for name, value in stated.items() if name not in _OF_THE_FOLDER}
+def _described(found: Sequence[Piece]) -> Node | None:
+    """Return the description that was brought, if one was: of one name there is one piece."""
+    brought = (json_document(piece.name, piece.data) for piece in found if piece.name == DESCRIPTION)
+    return next(brought, None)
 
 
-def _day(found: Sequence[Piece]) -> date | None:
-    for piece in found:
-        if piece.name == DESCRIPTION:
-            node = json_document(piece.name, piece.data).optional("measured_on")
-            return None if node is None else read_day(node)
-    return None
+def _stated(description: Node | None) -> dict[str, object]:
+    """Return what a description says; what it says of its tables is made anew."""
+    said = {} if description is None else description.entries()
+    return {name: value for name, value in said.items() if name not in _OF_THE_FOLDER}
+
+
+def _day(description: Node | None) -> date | None:
+    node = None if description is None else description.optional("measured_on")
+    return None if node is None else read_day(node)
 
 
 def _missing(sheets: Sequence[DetectedTable], tables: Mapping[str, ImportedTable]) -> Question | None:
@@ -285,7 +286,7 @@ def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Ca
 
 
 def _with_uncertainty(table: ImportedTable, u_mm: float | None) -> ImportedTable:
-    if u_mm is None or any(name in table.columns for name in SPREADS[:1]):
+    if u_mm is None or "u_mm" in table.columns:
         return table
     return replace(table, columns={**table.columns, "u_mm": np.full(len(table), u_mm)})
 

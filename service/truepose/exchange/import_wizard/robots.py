@@ -28,10 +28,10 @@ from truepose.identification.verdict.conventions import Change, Evidence, Interp
 from truepose.identification.verdict.robot_match import Match, matches
 from truepose.messages.message import Message, Text, message
 
-_FEWEST_PLACES: Final = (
-    10  # of the arm: base and reflector alone fit as many numbers as two or three places give
-)
+# Of the arm: base and reflector alone fit as many numbers as two or three places give.
+_FEWEST_PLACES: Final = 10
 _SWAPPED: Final = ("dir{}", "tau{}_Nm")
+_OF_THE_ROBOT: Final = frozenset({"other_way", "zero"})  # changes of its table, and of no reading
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +47,9 @@ def robot_of(pieces: Sequence[Piece], table: ImportedTable, choices: Choices) ->
     """Return the robot of readings; raises InputFileError where a file describes none."""
     own = _own_robot(pieces)
     chosen = _chosen(own, choices)
-    if chosen is None and not has_positions(table.columns):
-        return Found(None, None, message("bring.ask.robot"))
     if chosen is None:
-        return (
-            _found(table, choices)
-            if _places(table) >= _FEWEST_PLACES
-            else Found(None, None, message("bring.ask.robot"))
-        )
+        tells = has_positions(table.columns) and _places(table) >= _FEWEST_PLACES
+        return _found(table, choices) if tells else Found(None, None, message("bring.ask.robot"))
     key, robot, reason = chosen
     if robot.n_joints != n_joints(table.columns):
         asked = message(
@@ -149,16 +144,9 @@ def evidence_of(table: ImportedTable, changes: Sequence[Change]) -> tuple[Eviden
     evidence = Evidence(np.radians(joints_deg[whole]), nest.reshape(-1) + 1, places[whole])
     count = int(evidence.nest.max(initial=1))
     for change in changes:
-        evidence = (
-            change.applied(Interpretation(Robot("", ()), evidence)).evidence
-            if not _of_table(change)
-            else evidence
-        )
+        if change.kind not in _OF_THE_ROBOT:
+            evidence = change.applied(Interpretation(Robot("", ()), evidence)).evidence
     return evidence, PriorPlacement(None, np.zeros((count, 3)), np.ones(count, bool))
-
-
-def _of_table(change: Change) -> bool:
-    return change.kind in {"other_way", "zero"}
 
 
 def _applied(meant: Interpretation, changes: Sequence[Change]) -> Interpretation:

@@ -182,9 +182,7 @@ def _content(model: Model) -> dict[str, Json]:
         "nominal_fitted": written_keys(model, _NOMINAL),
         "parameters": [_parameter_document(parameter) for parameter in model.parameters],
         "covariance": _covariance_document(model.covariance, model.parameters),
-        "shortfall": None
-        if model.shortfall is None
-        else _shortfall_document(model.shortfall, model.parameters),
+        "shortfall": _shortfall_document(model.shortfall, model.parameters),
     }
 
 

@@ -10,18 +10,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.identification import Model, Unit
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import chosen_effects
-from truepose.exchange.document import (
-    NUMBER,
-    TEXT,
-    Key,
-    Node,
-    each,
-    json_document,
-    number,
-    read_bytes,
-    read_keys,
-    record,
-)
+from truepose.exchange.document import Node, json_document, read_bytes
 from truepose.exchange.errors import NewerVersionError
 from truepose.exchange.json_text import Json, render_json
 from truepose.exchange.models.digest import Integrity, integrity_of, require_unedited
@@ -100,29 +89,6 @@ class Pooled:
     belief: JointPrior
 
 
-@dataclass(frozen=True, slots=True)
-class _Parameter:
-    """As the file has it, in its units."""
-
-    name: str
-    effect: str
-    unit: str
-    prior_mean: float
-    prior_width: float
-    value: float
-
-
-_PARAMETER: Final = record(
-    _Parameter,
-    [
-        *(Key(name, name, TEXT) for name in ("name", "effect", "unit")),
-        Key("prior_mean", "prior_mean", NUMBER),
-        Key("prior_width", "prior_width", number(above=0.0)),
-        Key("value", "value", NUMBER),
-    ],
-)
-
-
 def pooled_text(pooled: Pooled) -> str:
     """Return the text of a file."""
     belief = pooled.belief
@@ -169,25 +135,25 @@ def read_pooled(file: Path) -> Pooled:
     version = root.key("truepose_fleet")
     if version.whole(least=1) > _FORMAT:
         version.fail("a later version of this program wrote it", NewerVersionError)
-    found = read_keys(root, [Key("robot", "robot", TEXT), Key("parameters", "parameters", each(_PARAMETER))])
-    return Pooled(found["robot"], _belief(root, found["parameters"]))
+    return Pooled(root.key("robot").text(), _belief(root))
 
 
-def _belief(root: Node, parameters: tuple[_Parameter, ...]) -> JointPrior:
+def _belief(root: Node) -> JointPrior:
     nodes = root.key("parameters").items()
-    units = [_unit(node.key("unit")) for node in nodes]
-    for node in nodes:
-        _check_effect(node.key("effect"))
-    factors = np.array([file_factor(unit) for unit in units])
-    specs = tuple(
-        ParameterSpec(one.name, unit, one.prior_mean / factor, one.prior_width / factor)
-        for one, unit, factor in zip(parameters, units, factors.tolist(), strict=True)
-    )
+    specs = tuple(map(_spec, nodes))
+    owners = tuple(_effect(node.key("effect")) for node in nodes)
+    factors = np.array([file_factor(spec.unit) for spec in specs])
     covariance = read_covariance(root.key("covariance"), len(specs)) / np.outer(factors, factors)
     if not np.all(np.isfinite(covariance)):
         root.key("covariance").fail("the covariance must be known completely")
-    values = np.array([one.value for one in parameters])
-    return JointPrior(specs, tuple(one.effect for one in parameters), values / factors, covariance)
+    values = np.array([node.key("value").number() for node in nodes])
+    return JointPrior(specs, owners, values / factors, covariance)
+
+
+def _spec(node: Node) -> ParameterSpec:
+    name, unit = node.key("name").text(), _unit(node.key("unit"))
+    mean, width = node.key("prior_mean").number(), node.key("prior_width").number(above=0.0)
+    return ParameterSpec(name, unit, mean / file_factor(unit), width / file_factor(unit))
 
 
 def _unit(node: Node) -> Unit:
@@ -197,8 +163,9 @@ def _unit(node: Node) -> Unit:
     return _UNITS[unit]
 
 
-def _check_effect(node: Node) -> None:
+def _effect(node: Node) -> str:
     try:
         chosen_effects([node.text()])
     except TrueposeError as error:
         node.fail(str(error).removesuffix("."))
+    return node.text()

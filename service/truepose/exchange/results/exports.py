@@ -62,11 +62,8 @@ def export_document(export: Export, robot: str) -> dict[str, Json]:
     more = _table(export.subject) if export.subject else {}
     if export.values:
         more = _controller(export.values)
-    return ExportDocument(form=export.form, robot=robot, **more, **_remarks(export)).printed()
-
-
-def _remarks(export: Export) -> dict[str, Any]:
-    return {"remarks": list(export.remarks)}
+    more["remarks"] = list(export.remarks)
+    return ExportDocument(form=export.form, robot=robot, **more).printed()
 
 
 def _table(subject: Subject) -> dict[str, Any]:

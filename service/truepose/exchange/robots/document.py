@@ -210,11 +210,13 @@ ROBOT: Final = Form(
 )
 
 
+_NEST: Final = (
+    Key("centre_mm", "centre_mm", VECTOR),
+    Key("u_mm", "standard_uncertainty_mm", number(least=0.0), absent=None),
+    Key("facing", "facing", Form(read_direction), absent=None),
+)
+
+
 def read_nest(entry: Node) -> Nest:
     """Read a tool nest from a table with `centre_mm`, and `u_mm`, `facing` where known."""
-    uncertainty = entry.optional("u_mm")
-    return Nest(
-        centre_mm=entry.key("centre_mm").vector(),
-        standard_uncertainty_mm=None if uncertainty is None else uncertainty.number(least=0.0),
-        facing=read_direction(entry.optional("facing")),
-    )
+    return Nest(**read_keys(entry, _NEST))

@@ -29,7 +29,6 @@ Arrays: TypeAlias = Mapping[str, npt.NDArray[np.generic]]  # columns of equal le
 TableData: TypeAlias = bytes | Arrays  # the text of a file, or what a program has in memory
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.generic]  # of one column
 Counted: TypeAlias = Literal["line", "row"]  # lines of a text from 1, rows of arrays from 0
-Converted: TypeAlias = tuple[IntArray, Mapping[str, FloatArray]]  # lines and columns of some rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,11 +150,10 @@ def read_table(
     UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
         With file, line or row, and column of the first fault.
     """
-    found = list(table_parts(file, data, columns, together=together, passed_over=passed_over))
+    found = table_parts(file, data, columns, together=together, passed_over=passed_over)
     tables = [part.table for part in found]
-    wanted = list(tables[0].values)
-    lines, values = _joined(wanted, [(table.lines, table.values) for table in tables])
-    return replace(tables[0], lines=lines, values=values)
+    values = {name: np.concatenate([one.values[name] for one in tables]) for name in tables[0].values}
+    return replace(tables[0], lines=np.concatenate([one.lines for one in tables]), values=values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,12 +283,6 @@ def _bad_value(
     if counted == "line":
         return BadValueError(sentence, file=file, line=number, column=column)
     return BadValueError(sentence, file=file, row=number, column=column)
-
-
-def _joined(columns: Sequence[str], parts: Sequence[Converted]) -> Converted:
-    """Return what was converted part by part as whole columns."""
-    lines = np.concatenate([lines for lines, _ in parts])
-    return lines, {name: np.concatenate([values[name] for _, values in parts]) for name in columns}
 
 
 def _numbers(column: Column, cells: Cells) -> tuple[FloatArray, tuple[int, str] | None]:
