@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import FANUC, line_of, named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame
@@ -22,40 +21,23 @@ def program_of(instruction, frame=1, more=""):
     return read("m.ls", text.encode())
 
 
-def test_a_position_has_its_numbers_branch_and_comment():
+def test_a_position_has_its_numbers_branch_and_comment_and_names_its_frames():
     target = named(read("row.ls"), "P[2: approach]")
 
     assert target.value.position_mm == (-1371.166, 2539.539, -538.77)
     assert target.branch == "N U T, 0, 0, 0"
     assert target.line == line_of(FANUC, b'P[2:"approach"]')
-
-
-def test_w_p_and_r_turn_about_the_fixed_axes():
-    w, x, y, z = named(read("row.ls"), "P[2: approach]").value.quaternion
-
-    expected = Rotation.from_euler("xyz", [-175.187, -34.176, 8.232], degrees=True)
-    assert (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
-
-
-def test_a_position_names_its_frames():
-    target = named(read("row.ls"), "P[2: approach]")
-
     assert target.tool == Frame("UTOOL 2")
     assert target.work_object == Frame("UFRAME 1")
 
 
-def test_the_frames_0_are_those_of_the_robot():
-    (target,) = program_of("L P[1] 100mm/sec FINE", frame=0).targets
+def test_the_frames_0_are_those_of_the_robot_and_the_one_that_is_in_use_is_not_known():
+    (zero,) = program_of("L P[1] 100mm/sec FINE", frame=0).targets
+    (in_use,) = program_of("L P[1] 100mm/sec FINE", frame="F").targets
 
-    assert target.tool == Frame("UTOOL 0", AT_THE_ORIGIN)
-    assert target.work_object == Frame("UFRAME 0", AT_THE_ORIGIN)
-
-
-def test_the_frame_that_is_in_use_is_not_known():
-    (target,) = program_of("L P[1] 100mm/sec FINE", frame="F").targets
-
-    assert target.tool is None
-    assert target.work_object is None
+    assert zero.tool == Frame("UTOOL 0", AT_THE_ORIGIN)
+    assert zero.work_object == Frame("UFRAME 0", AT_THE_ORIGIN)
+    assert (in_use.tool, in_use.work_object) == (None, None)
 
 
 def test_joint_angles_are_a_configuration_and_other_axes_are_kept():
@@ -64,47 +46,6 @@ def test_joint_angles_are_a_configuration_and_other_axes_are_kept():
     degrees = [math.degrees(angle) for angle in target.value.joints_rad]
     assert degrees == pytest.approx([25, -50, 60, -35, -0.045, 50], abs=1e-12)
     assert target.external == (100.0, 0.0)
-
-
-def test_motions_follow_each_other_as_far_as_the_text_is_straight():
-    program = read("row.ls")
-    names = [target.name for target in program.targets]
-
-    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
-
-    assert told == [
-        ("P[1: Höhe]", "joints", None),
-        ("P[2: approach]", "line", None),  # behind an offset
-        ("P[6]", "line", "P[2: approach]"),
-        ("P[6]", "line", None),  # behind a jump
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        (
-            b"CNT50 Offset,PR[1]",
-            "it is displaced at run time; corrected in the file: P[2: approach]",
-        ),
-        (b"C P[3]", "an arc passes through points that are not targets"),
-        (b"L PR[1]", "its position register is not in the file"),
-        (b"L P[R[1]]", "the element is selected at run time"),
-        (b"L P[8]", "it is not declared in this file"),
-        (
-            b"FINE INC",
-            "it moves relative to the robot's current position; corrected in the file: P[2: approach]",
-        ),
-        (b"P[5]{", "it was never taught"),
-        (b"P[7]{", f"the program changes it in line {line_of(FANUC, b'P[7]=LPOS')}"),
-    ],
-)
-def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
-    assert reasons(read("row.ls"))[line_of(FANUC, text)] == reason
-
-
-def test_everything_that_is_left_alone_is_told_once():
-    assert len(read("row.ls").left_alone) == 8
 
 
 @pytest.mark.parametrize(
@@ -149,9 +90,3 @@ def test_axes_that_are_lengths_are_no_joint_angles():
     text = "/PROG M\n/MN\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n\tJ1= 1.000 deg,\tJ2= 2.000 mm\n};\n/END\n"
 
     assert reasons(read("m.ls", text.encode())) == {4: "one of its joint values is a length"}
-
-
-def test_a_program_without_positions_has_no_targets():
-    program = read("m.ls", b"/PROG M\n/MN\n   1:  DO[1]=ON ;\n/POS\n/END\n")
-
-    assert (program.targets, program.motions, program.left_alone) == ((), (), ())

@@ -3,9 +3,8 @@
 import math
 
 import pytest
-from scipy.spatial.transform import Rotation
 
-from tests.helpers.exchange.robot_programs import KRL, line_of, named, read, reasons
+from tests.helpers.exchange.robot_programs import named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
 from truepose.messages.catalogue import catalogue, english
 
@@ -16,34 +15,14 @@ def routine(*lines):
     return read("m.src", b"\n".join([b"DEF M( )", b"E6POS P1", b"P1=" + POSE, *lines, b"END", b""]))
 
 
-def test_a_point_of_a_data_list_has_numbers_branch_and_axes():
-    target = named(read("row.dat"), "XP1")
+def test_a_point_of_an_inline_form_has_numbers_and_branch_and_stands_in_the_frames_of_its_data():
+    (target,) = read("row.dat").targets
 
+    assert (target.name, target.branch) == ("XP1", "S 2, T 3")
     assert target.value.position_mm == (214.483856, 193.590897, 1005.80865)
-    assert target.branch == "S 2, T 3"
-    assert named(read("x.src", KRL), "HOME").external == (12.0,)
-
-
-def test_a_turns_about_z_b_about_the_new_y_c_about_the_newest_x():
-    w, x, y, z = named(read("row.dat"), "XP1").value.quaternion
-
-    expected = Rotation.from_euler("ZYX", [6.59456158, -23.4313526, 9.77940178], degrees=True)
-    assert (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
-
-
-def test_a_point_of_an_inline_form_stands_in_the_frames_of_its_data():
-    target = named(read("row.dat"), "XP1")
-
     assert target.tool.name == "TOOL_DATA[2]"
     assert target.tool.pose.position_mm == (0.0, 0.0, 200.0)
     assert target.work_object == Frame("$NULLFRAME", AT_THE_ORIGIN)
-
-
-def test_a_point_that_the_robot_carries_to_a_standing_tool_is_left_alone():
-    program = read("row.dat")
-
-    assert [target.name for target in program.targets] == ["XP1"]
-    assert reasons(program) == {5: "the robot holds the workpiece and the tool is stationary"}
 
 
 def test_targets_of_a_program_stand_in_the_frames_that_hold_there():
@@ -72,52 +51,11 @@ def test_turns_are_counted_in_bits_whatever_their_letters(written, turns):
     assert [(number.value, number.base) for number in target.turns] == turns
 
 
-def test_axes_are_a_configuration():
+def test_axes_are_a_configuration_and_other_axes_are_kept():
     target = named(read("row.src"), "HOME")
 
     assert [math.degrees(angle) for angle in target.value.joints_rad] == pytest.approx([0, -90, 90, 0, 0, 0])
-
-
-def test_motions_follow_each_other_as_far_as_code_is_straight():
-    program = read("row.src")
-    names = [target.name for target in program.targets]
-
-    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
-
-    assert told == [
-        ("HOME", "joints", None),
-        ("PTS[1]", "line", None),  # behind a point of another file
-        ("PTS[2]", "line", None),  # behind a computed one
-        (f"line {line_of(KRL, b'PTP {A1')}", "joints", None),
-        (f"line {line_of(KRL, b'LIN {POS')}", "line", None),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        (b"PTP XP1", "it is not declared in this file"),
-        (b"LIN PTS[2]:OFFS", "its position is computed at run time; corrected in the file: PTS[2]"),
-        (
-            b"LIN PTS[I]",
-            "the element is selected at run time; corrected in the file: PTS[1], PTS[2]",
-        ),
-        (b"LIN {X 100}", "it does not give Y, Z, A, B, C; these keep their previous values"),
-        (b"LIN_REL", "it moves relative to the robot's current position"),
-        (
-            b"CIRC PTS[1],PTS[2]",
-            "an arc passes through points that are not targets; corrected in the file: PTS[1], PTS[2]",
-        ),
-        (b"LIN HERE", "its position is computed at run time"),
-        (b"MOVEIT(", "what it does with the target cannot be followed; corrected in the file: PTS[1]"),
-    ],
-)
-def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
-    assert reasons(read("row.src"))[line_of(KRL, text)] == reason
-
-
-def test_everything_that_is_left_alone_is_told_once():
-    assert len(read("row.src").left_alone) == 8
+    assert target.external == (12.0,)
 
 
 def test_elements_of_an_array_in_a_data_list_are_targets():
@@ -202,12 +140,6 @@ def test_what_is_set_in_one_routine_is_not_known_in_another():
     (target,) = read("m.src", data).targets
 
     assert target.work_object is None
-
-
-def test_a_program_without_targets_has_none():
-    program = read("m.src", b"DEF M( )\n$OUT[1]=TRUE\nWAIT SEC 1.0\nEND\n")
-
-    assert (program.targets, program.motions, program.left_alone) == ((), (), ())
 
 
 def test_axes_may_be_given_where_the_motion_stands():

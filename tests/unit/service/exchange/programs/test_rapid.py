@@ -88,60 +88,8 @@ def test_an_inline_target_is_called_by_its_line():
     assert named(read("row.mod"), f"line {line}").value.position_mm == (7.0, 8.0, 9.0)
 
 
-def test_motions_follow_each_other_as_far_as_code_is_straight():
-    program = read("row.mod")
-    names = [target.name for target in program.targets]
-
-    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
-
-    inline = f"line {line_of(RAPID, b'[[7,8,9]')}"
-    assert told == [
-        ("jHome", "joints", None),
-        ("pPick", "line", None),  # behind Offs
-        (inline, "line", "pPick"),  # an output between does not move the robot
-        ("pRow{1}", "line", None),  # behind the loop
-        ("pRow{2}", "line", "pRow{1}"),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        (b"MoveJ Offs(pPick", "its position is computed at run time; corrected in the file: pPick"),
-        (
-            b"MoveL pRow{i}",
-            "the element is selected at run time; corrected in the file: pRow{1}, pRow{2}",
-        ),
-        (b"MoveL pNow", "its position is computed at run time"),
-        (
-            b"MoveC pPick,pRow{2}",
-            "an arc passes through points that are not targets; corrected in the file: pPick, pRow{2}",
-        ),
-        (b"MoveL *", "its target is not written out (*)"),
-        (b"place pPick", "what it does with the target cannot be followed; corrected in the file: pPick"),
-        (b"MoveL pWhere", "it is an argument of the routine"),
-        (b"MoveL pElsewhere", "it is not declared in this file"),
-    ],
-)
-def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
-    assert reasons(read("row.mod"))[line_of(RAPID, text)] == reason
-
-
-def test_a_target_that_the_program_changes_is_left_alone():
-    program = read("row.mod")
-
-    assert "pShift" not in {target.name for target in program.targets}
-    changed = line_of(RAPID, b"pShift.trans.z:=")
-    assert (
-        reasons(program)[line_of(RAPID, b"robtarget pShift")] == f"the program changes it in line {changed}"
-    )
-
-
-def test_everything_that_is_left_alone_is_told_once():
-    program = read("row.mod")
-
-    assert len(program.left_alone) == 10
-    assert len(reasons(program)) == 10
+def test_a_target_that_the_program_changes_is_none():
+    assert "pShift" not in {target.name for target in read("row.mod").targets}
 
 
 def test_a_target_that_only_serves_to_compute_others_is_left_alone():
@@ -338,12 +286,6 @@ def test_a_search_is_told_and_its_target_left_alone():
 
     assert program.targets == ()
     assert reasons(program) == {4: "a search motion stops where its signal arrives"}
-
-
-def test_a_module_without_targets_has_none():
-    program = routine(b"SetDO do1,1;", declared=())
-
-    assert (program.targets, program.motions, program.left_alone) == ((), (), ())
 
 
 @pytest.mark.parametrize("declared", [True, False])

@@ -1,9 +1,8 @@
 """URScript: poses and configurations, the tool, and what is left alone."""
 
 import pytest
-from scipy.spatial.transform import Rotation
 
-from tests.helpers.exchange.robot_programs import UR, line_of, named, read, reasons
+from tests.helpers.exchange.robot_programs import named, read, reasons
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
 from truepose.messages.catalogue import catalogue, english
@@ -13,20 +12,11 @@ def program_of(*lines):
     return read("m.script", "\n".join(["def m():", *lines, "end", ""]).encode())
 
 
-def test_lengths_are_in_metres_and_a_rotation_is_a_vector():
-    pose = named(read("row.script"), "Waypoint_1_p").value
-
-    w, x, y, z = pose.quaternion
-    expected = Rotation.from_rotvec([1.500318891221, 0.521427297251, 0.530987])
-    assert pose.position_mm == pytest.approx((433.025361705, -467.959205379, 522.310714714), abs=1e-10)
-    assert (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
-
-
-def test_the_configuration_that_chooses_the_branch_stays_beside_the_pose():
+def test_lengths_are_in_metres_and_the_configuration_that_chooses_the_branch_stays_beside_the_pose():
     program = read("row.script")
+    pose, near = named(program, "Waypoint_1_p").value, named(program, "Waypoint_1_p").near_rad
 
-    near = named(program, "Waypoint_1_p").near_rad
-
+    assert pose.position_mm == pytest.approx((433.025361705, -467.959205379, 522.310714714), abs=1e-10)
     assert near == (1.9942498207092285, -1.66846146206, 1.93305045763, -0.271842316, 1.32090044, 0.0036344)
     assert "Waypoint_1_q" not in {target.name for target in program.targets}
 
@@ -58,48 +48,6 @@ def test_a_tool_that_is_set_in_a_loop_may_hold_when_it_begins_again():
     )
 
     assert program.targets[0].tool is None
-
-
-def test_motions_follow_each_other_as_far_as_code_is_straight():
-    program = read("row.script")
-    names = [target.name for target in program.targets]
-
-    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
-
-    assert told == [
-        ("Waypoint_1_p", "joints", None),
-        ("pts[0]", "line", "Waypoint_1_p"),
-        (f"line {line_of(UR, b'movej(q=')}", "joints", None),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        (
-            b"movel(pose_trans",
-            "its position is computed at run time; corrected in the file: pts[0], pts[1]",
-        ),
-        (
-            b"movel(pts[i])",
-            "the element is selected at run time; corrected in the file: pts[0], pts[1]",
-        ),
-        (b"d2r(5)", "its position is computed at run time"),
-        (
-            b"movec(",
-            "an arc passes through points that are not targets; corrected in the file: pts[0], pts[1]",
-        ),
-        (b"movel(other)", "it is not declared in this file"),
-        (b"servoj(", "its motion is controlled at run time"),
-        (b"grip(", "what it does with the target cannot be followed; corrected in the file: pts[0], pts[1]"),
-    ],
-)
-def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
-    assert reasons(read("row.script"))[line_of(UR, text)] == reason
-
-
-def test_everything_that_is_left_alone_is_told_once():
-    assert len(read("row.script").left_alone) == 7
 
 
 def test_a_list_of_six_numbers_is_a_target_only_where_the_robot_moves_to_it():
@@ -137,12 +85,6 @@ def test_a_line_to_joint_angles_is_to_a_configuration():
     (target,) = program_of("movel([0,0,0,0,0,1])").targets
 
     assert target.value == Configuration((0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
-
-
-def test_a_program_without_targets_has_none():
-    program = program_of("textmsg('movej([0,0,0,0,0,0])')", "# movej([0,0,0,0,0,0])")
-
-    assert (program.targets, program.motions, program.left_alone) == ((), (), ())
 
 
 def test_a_tool_that_is_set_by_a_name_is_told_by_its_line_in_every_language():
