@@ -9,6 +9,7 @@ from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Fra
 from truepose.messages.catalogue import catalogue, english
 
 POSE = b"{X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0}"
+MOVED = b"$BASE=EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,POSER)"
 
 
 def routine(*lines):
@@ -76,13 +77,6 @@ def test_a_frame_that_the_program_moves_to_is_one():
     assert named(program, "F").value.position_mm == (1.0, 2.0, 3.0)
 
 
-def test_a_point_that_the_program_changes_is_left_alone():
-    program = routine(b"P1.Z=P1.Z+10", b"LIN P1")
-
-    assert program.targets == ()
-    assert reasons(program)[3] == "the program changes it in line 4"
-
-
 def test_what_is_said_of_the_speed_of_a_motion_changes_no_point():
     program = routine(b"SLIN P1 WITH $VEL.CP=0.5, $BASE=BASE_DATA[3]")
 
@@ -96,40 +90,49 @@ def test_numbers_of_tool_and_base_may_be_given_by_a_call():
     assert named(program, "P1").work_object == Frame("$NULLFRAME", AT_THE_ORIGIN)
 
 
-def test_a_base_that_is_set_in_a_branch_is_not_known_behind_it():
-    program = routine(b"$BASE=BASE_DATA[1]", b"IF $IN[1] THEN", b"$BASE=BASE_DATA[2]", b"ENDIF", b"LIN P1")
-
-    assert named(program, "P1").work_object is None
-
-
-def test_a_base_that_is_set_in_a_loop_may_hold_when_it_begins_again():
-    program = routine(b"$BASE=BASE_DATA[1]", b"LOOP", b"LIN P1", b"$BASE=BASE_DATA[2]", b"ENDLOOP")
-
-    assert named(program, "P1").work_object is None
-
-
-def test_a_base_that_a_loop_does_not_touch_holds_in_it():
-    program = routine(b"$BASE=BASE_DATA[1]", b"LOOP", b"LIN P1", b"ENDLOOP")
-
-    assert named(program, "P1").work_object == Frame("BASE_DATA[1]")
-
-
-def test_a_point_in_two_bases_is_left_alone():
-    program = routine(b"$BASE=BASE_DATA[1]", b"LIN P1", b"$BASE=BASE_DATA[2]", b"LIN P1")
-
-    assert program.targets == ()
-    assert "with BASE_DATA[1] in line 5 and with BASE_DATA[2] in line 7" in reasons(program)[3]
-
-
-def test_a_base_that_another_machine_moves_is_left_alone():
-    program = routine(b"$BASE=EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,POSER)", b"LIN P1")
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (
+            (b"P1.Z=P1.Z+10", b"LIN P1"),
+            {3: "the program changes it in line 4", 4: "its position is computed at run time"},
+        ),
+        (
+            (b"$BASE=BASE_DATA[1]", b"LIN P1", b"$BASE=BASE_DATA[2]", b"LIN P1"),
+            {
+                3: "it is used with BASE_DATA[1] in line 5 and with BASE_DATA[2] in line 7, and the same "
+                "numbers cannot be correct for both"
+            },
+        ),
+        ((MOVED, b"LIN P1"), {5: "the base is moved by another mechanical unit"}),
+    ],
+    ids=["it is changed", "two bases", "a base that another machine moves"],
+)
+def test_a_point_that_numbers_cannot_correct_is_none_and_told(lines, told):
+    program = routine(*lines)
 
     assert program.targets == ()
-    assert reasons(program) == {5: "the base is moved by another mechanical unit"}
+    assert reasons(program) == told
+
+
+B1, B2 = b"$BASE=BASE_DATA[1]", b"$BASE=BASE_DATA[2]"
+
+
+@pytest.mark.parametrize(
+    ("lines", "base"),
+    [
+        ((B1, b"IF $IN[1] THEN", B2, b"ENDIF", b"LIN P1"), None),
+        ((B1, b"LOOP", b"LIN P1", B2, b"ENDLOOP"), None),
+        ((B1, b"LOOP", b"LIN P1", b"ENDLOOP"), Frame("BASE_DATA[1]")),
+    ],
+    ids=["set in a branch", "set in the loop that begins again", "not touched by the loop"],
+)
+def test_a_base_is_known_where_no_branch_and_no_loop_may_have_set_another(lines, base):
+    assert named(routine(*lines), "P1").work_object == base
 
 
 def test_an_inline_point_in_a_base_that_another_machine_moves_is_left_alone():
-    program = routine(b"$BASE=EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,POSER)", b"LIN " + POSE)
+    program = routine(MOVED, b"LIN " + POSE)
 
     assert [target.name for target in program.targets] == ["P1"]
 

@@ -13,11 +13,18 @@ UNUSED = (9e9,) * 6
 POSE = b"[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
 
 
+P10 = b"CONST robtarget p10:=" + POSE + b";"
+WOBJ = b'PERS wobjdata w:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];'
+CARRIED = WOBJ.replace(b'FALSE,TRUE,""', b'FALSE,FALSE,"STN1"')
+STANDING = b"PERS tooldata t:=[FALSE,[[0,0,9],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];"
+IN_W = b"MoveL p10,v100,fine,tool0\\WObj:=w;"
+
+
 def module(*lines):
     return b"\n".join([b"MODULE M", *lines, b"ENDMODULE", b""])
 
 
-def routine(*lines, declared=(b"CONST robtarget p10:=" + POSE + b";",)):
+def routine(*lines, declared=(P10,)):
     return read("m.mod", module(*declared, b"PROC main()", *lines, b"ENDPROC"))
 
 
@@ -48,7 +55,7 @@ def test_the_object_frame_stands_in_the_user_frame():
     program = routine(
         b"MoveL p10,v100,fine,tool0\\WObj:=w;",
         declared=(
-            b"CONST robtarget p10:=" + POSE + b";",
+            P10,
             b'PERS wobjdata w:=[FALSE,TRUE,"",' + user + b",[[10,0,0],[1,0,0,0]]];",
         ),
     )
@@ -92,28 +99,11 @@ def test_a_target_that_the_program_changes_is_none():
     assert "pShift" not in {target.name for target in read("row.mod").targets}
 
 
-def test_a_target_that_only_serves_to_compute_others_is_left_alone():
-    program = routine(b"MoveL RelTool(p10,0,0,5),v100,fine,tool0;")
-
-    assert program.targets == ()
-    assert reasons(program) == {4: "its position is computed at run time"}
-
-
 def test_a_target_that_nothing_here_moves_to_is_one_without_frames():
-    (target,) = read("m.mod", module(b"CONST robtarget p10:=" + POSE + b";")).targets
+    (target,) = read("m.mod", module(P10)).targets
 
     assert target.tool is None
     assert target.work_object is None
-
-
-def test_a_target_in_two_work_objects_is_left_alone():
-    program = routine(b"MoveL p10,v100,fine,tool0;", b"MoveL p10,v100,fine,tool0\\WObj:=wB;")
-
-    assert program.targets == ()
-    assert reasons(program)[2] == (
-        "it is used with tool0 in wobj0 in line 4 and with tool0 in wB in line 5, and the same numbers "
-        "cannot be correct for both"
-    )
 
 
 def test_a_frame_of_another_file_is_known_by_its_name_only():
@@ -123,74 +113,20 @@ def test_a_frame_of_another_file_is_known_by_its_name_only():
     assert target.work_object.pose.position_mm == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("declared", "words"),
-    [
-        (
-            b'PERS wobjdata w:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];',
-            "moved by another",
-        ),
-        (b'PERS wobjdata w:=[TRUE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];', "robot holds the work"),
-    ],
-)
-def test_targets_in_a_work_object_that_moves_are_left_alone(declared, words):
-    program = routine(
-        b"MoveL p10,v100,fine,tool0\\WObj:=w;",
-        declared=(b"CONST robtarget p10:=" + POSE + b";", declared),
-    )
-
-    assert program.targets == ()
-    assert words in reasons(program)[5]
-
-
-def test_targets_in_a_work_object_that_the_program_changes_are_left_alone():
-    wobj = b'PERS wobjdata w:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];'
-
-    program = routine(
-        b"w.uframe.trans.x:=found;",
-        b"MoveL p10,v100,fine,tool0\\WObj:=w;",
-        declared=(b"CONST robtarget p10:=" + POSE + b";", wobj),
-    )
-
-    assert reasons(program)[6] == "the program changes w in line 5"
-
-
-def test_a_tool_that_stands_in_the_cell_is_told():
-    tool = b"PERS tooldata t:=[FALSE,[[0,0,9],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];"
-
-    program = routine(b"MoveL p10,v100,fine,t;", declared=(b"CONST robtarget p10:=" + POSE + b";", tool))
-
-    assert reasons(program)[5] == "the tool t is stationary in the cell and the robot holds the workpiece"
-
-
 def test_names_of_a_routine_are_its_own():
-    program = read(
-        "m.mod",
-        module(
-            b"CONST robtarget p10:=" + POSE + b";",
-            b"PROC a()",
-            b"CONST robtarget P10:=" + POSE.replace(b"1,2,3", b"7,7,7") + b";",
-            b"MoveL p10,v100,fine,tool0;",
-            b"ENDPROC",
-            b"PROC b()",
-            b"MoveL p10,v100,fine,tA;",
-            b"ENDPROC",
-        ),
-    )
+    own = P10.replace(b"p10", b"P10").replace(b"1,2,3", b"7,7,7")
+    first = b"PROC a()", own, b"MoveL p10,v100,fine,tool0;", b"ENDPROC"
+    second = b"PROC b()", b"MoveL p10,v100,fine,tA;", b"ENDPROC"
+
+    program = read("m.mod", module(P10, *first, *second))
 
     assert [(t.value.position_mm[0], t.tool.name) for t in program.targets] == [(1.0, "tA"), (7.0, "tool0")]
 
 
 def test_an_argument_hides_a_target_of_the_same_name():
-    program = read(
-        "m.mod",
-        module(
-            b"CONST robtarget p10:=" + POSE + b";",
-            b"PROC a(robtarget p10)",
-            b"MoveL p10,v100,fine,tool0;",
-            b"ENDPROC",
-        ),
-    )
+    lines = b"PROC a(robtarget p10)", b"MoveL p10,v100,fine,tool0;", b"ENDPROC"
+
+    program = read("m.mod", module(P10, *lines))
 
     assert reasons(program) == {4: "it is an argument of the routine"}
     assert program.targets[0].tool is None
@@ -221,45 +157,82 @@ def test_a_question_about_a_target_moves_nothing():
     assert program.left_alone == ()
 
 
-def test_targets_whose_numbers_have_names_are_left_alone():
-    program = routine(
-        declared=(b"CONST robtarget p10:=[[100+dx,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];",)
-    )
-
-    assert program.targets == ()
-    assert reasons(program) == {2: "some of its numbers are computed or given by name"}
-
-
-def test_an_orientation_that_was_never_taught_is_left_alone():
-    program = routine(
-        declared=(b"CONST robtarget p10:=[[1,2,3],[0,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];",)
-    )
-
-    assert reasons(program) == {2: "its orientation is not a unit quaternion"}
-
-
-def test_motions_that_the_program_displaces_are_left_alone():
-    program = routine(b"PDispSet poseDiff;", b"MoveL p10,v100,fine,tool0;", b"PDispOff;")
-
-    assert program.targets == ()
-    assert reasons(program) == {
-        4: "it displaces the targets that follow",
-        5: "it is displaced at run time",
-    }
-
-
 def test_motions_behind_the_end_of_a_displacement_are_not():
     program = routine(b"PDispSet poseDiff;", b"PDispOff;", b"MoveL p10,v100,fine,tool0;")
 
     assert [target.name for target in program.targets] == ["p10"]
 
 
-def test_an_inline_target_in_a_work_object_that_moves_is_left_alone():
-    wobj = b'PERS wobjdata w:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];'
+ALONE = {
+    "it only serves to compute others": (
+        [P10],
+        [b"MoveL RelTool(p10,0,0,5),v100,fine,tool0;"],
+        {4: "its position is computed at run time"},
+    ),
+    "two work objects": (
+        [P10],
+        [b"MoveL p10,v100,fine,tool0;", b"MoveL p10,v100,fine,tool0\\WObj:=wB;"],
+        {
+            2: "it is used with tool0 in wobj0 in line 4 and with tool0 in wB in line 5, and the same "
+            "numbers cannot be correct for both"
+        },
+    ),
+    "a work object that another unit moves": (
+        [P10, CARRIED],
+        [IN_W],
+        {5: "the work object w is moved by another mechanical unit"},
+    ),
+    "an inline target in one": (
+        [CARRIED],
+        [IN_W.replace(b"p10", POSE)],
+        {4: "the work object w is moved by another mechanical unit"},
+    ),
+    "a work object that the robot holds": (
+        [P10, WOBJ.replace(b"FALSE", b"TRUE")],
+        [IN_W],
+        {5: "the robot holds the work object w"},
+    ),
+    "a work object that the program changes": (
+        [P10, WOBJ],
+        [b"w.uframe.trans.x:=found;", IN_W],
+        {6: "the program changes w in line 5"},
+    ),
+    "a tool that stands in the cell": (
+        [P10, STANDING],
+        [b"MoveL p10,v100,fine,t;"],
+        {5: "the tool t is stationary in the cell and the robot holds the workpiece"},
+    ),
+    "numbers that have names": (
+        [P10.replace(b"1,2,3", b"100+dx,0,0")],
+        [],
+        {2: "some of its numbers are computed or given by name"},
+    ),
+    "an orientation that was never taught": (
+        [P10.replace(b"[1,0,0,0]", b"[0,0,0,0]")],
+        [],
+        {2: "its orientation is not a unit quaternion"},
+    ),
+    "a motion that the program displaces": (
+        [P10],
+        [b"PDispSet poseDiff;", b"MoveL p10,v100,fine,tool0;", b"PDispOff;"],
+        {4: "it displaces the targets that follow", 5: "it is displaced at run time"},
+    ),
+    "a search": (
+        [P10],
+        [b"SearchL di1,pFound,p10,v100,tool0;"],
+        {4: "a search motion stops where its signal arrives"},
+    ),
+}
 
-    program = routine(b"MoveL " + POSE + b",v100,fine,tool0\\WObj:=w;", declared=(wobj,))
+
+@pytest.mark.parametrize("case", ALONE)
+def test_a_target_that_numbers_cannot_correct_is_none_and_told(case):
+    declared, lines, told = ALONE[case]
+
+    program = routine(*lines, declared=declared)
 
     assert program.targets == ()
+    assert reasons(program) == told
 
 
 @pytest.mark.parametrize(
@@ -279,13 +252,6 @@ def test_instructions_that_do_more_than_move_say_their_tool_in_its_place(call, p
     (target,) = program.targets
     assert (target.tool.name, target.work_object.name) == ("tA", "w")
     assert [motion.path for motion in program.motions] == [path]
-
-
-def test_a_search_is_told_and_its_target_left_alone():
-    program = routine(b"SearchL di1,pFound,p10,v100,tool0;")
-
-    assert program.targets == ()
-    assert reasons(program) == {4: "a search motion stops where its signal arrives"}
 
 
 @pytest.mark.parametrize("declared", [True, False])
