@@ -15,14 +15,7 @@ from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of
 
-SIDE = configurations(60, 4) * np.array([0.2, 1.0, 1.0, 1.0, 1.0, 1.0]) + np.array([
-    1.0,
-    0.0,
-    0.0,
-    0.0,
-    0.0,
-    0.0,
-])
+SIDE = configurations(60, 4) * np.array([0.2, 1.0, 1.0, 1.0, 1.0, 1.0]) + np.eye(6)[0]
 MIRROR = np.diag([1.0, -1.0, 1.0])
 
 
