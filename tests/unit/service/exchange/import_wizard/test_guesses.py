@@ -24,11 +24,7 @@ def test_plain_words_with_units_are_certain():
     guesses = guesses_of(plain())
 
     assert {guess.certainty for guess in guesses} == {"certain"}
-    assert [guess.meaning.column for guess in guesses][1:9] == [
-        *(f"q{k}_deg" for k in range(1, 7)),
-        "nest",
-        "x_mm",
-    ]
+    assert [guess.meaning.column for guess in guesses][1:9] == [*ANGLES, "nest", "x_mm"]
 
 
 def test_units_that_nobody_says_are_guessed_by_size_and_called_likely():
@@ -41,22 +37,12 @@ def test_units_that_nobody_says_are_guessed_by_size_and_called_likely():
     assert {guess.certainty for guess in guesses} == {"likely"}
 
 
-def test_columns_in_an_unknown_language_that_are_numbered_alike_are_joints():
+@pytest.mark.parametrize("name", ["kulma", "joint_"])
+def test_columns_that_are_numbered_alike_in_any_language_are_joints_also_counted_from_nought(name):
     joints, _, places = readings()
-    names = [*(f"kulma{k}" for k in range(6)), "X", "Y", "Z"]
+    names = [*(f"{name}{k}" for k in range(6)), "x", "y", "z"]
 
-    assert columns_of(table(names, np.column_stack([joints, places])))[:6] == [
-        f"q{k}_deg" for k in range(1, 7)
-    ]
-
-
-def test_joints_counted_from_nought_are_joints_from_one():
-    joints, _, places = readings()
-    names = [*(f"joint_{k}" for k in range(6)), "x", "y", "z"]
-
-    assert columns_of(table(names, np.column_stack([joints, places])))[:6] == [
-        f"q{k}_deg" for k in range(1, 7)
-    ]
+    assert columns_of(table(names, np.column_stack([joints, places])))[:6] == ANGLES
 
 
 def test_without_names_the_usual_order_is_no_more_than_a_guess():
@@ -78,24 +64,15 @@ def test_of_commanded_and_reported_joints_the_commanded_ones_are_used():
     assert columns[6:12] == ANGLES
 
 
-def test_of_nominal_and_measured_points_the_measured_ones_are_used():
+def test_of_nominal_and_measured_points_the_measured_ones_are_used_and_nominal_ones_alone_never():
     joints, _, places = readings()
-    names = [
-        *JOINTS,
-        *(f"{a} nominal" for a in "xyz"),
-        *(f"{a} measured" for a in "xyz"),
-    ]
+    nominal = [*JOINTS, *(f"{a} nominal" for a in "xyz")]
+    both = [*nominal, *(f"{a} measured" for a in "xyz")]
 
-    columns = columns_of(table(names, np.column_stack([joints, places, places])))
+    columns = columns_of(table(both, np.column_stack([joints, places, places])))
 
     assert columns[6:] == ["", "", "", "x_mm", "y_mm", "z_mm"]
-
-
-def test_nominal_points_alone_are_no_readings():
-    joints, _, places = readings()
-    names = [*JOINTS, *(f"{a} nominal" for a in "xyz")]
-
-    assert columns_of(table(names, np.column_stack([joints, places])))[6:] == ["", "", ""]
+    assert columns_of(table(nominal, np.column_stack([joints, places])))[6:] == ["", "", ""]
 
 
 @pytest.mark.parametrize("names", ["mA_x mA_y mA_z mB_x mB_y mB_z", "x1 y1 z1 x2 y2 z2"])
@@ -107,11 +84,8 @@ def test_several_points_of_a_row_are_told_apart(names):
     assert [guess.meaning.point for guess in guesses[6:]] == [1, 1, 1, 2, 2, 2]
 
 
-def test_a_column_of_remarks_is_nothing():
+def test_a_column_of_remarks_is_nothing_and_a_joint_that_holds_words_no_joint():
     assert columns_of(b"q1,x,remark\n1,2.5,cold\n2,3.5,warm\n3,4,x\n")[2] == ""
-
-
-def test_a_joint_that_holds_words_is_no_joint():
     assert columns_of(b"q1,q2,x,y,z\nup,1.5,1,2,3\ndown,1.5,1,2,3\n")[0] == ""
 
 

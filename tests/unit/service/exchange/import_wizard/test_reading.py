@@ -36,6 +36,12 @@ XYZ = ["x", "y", "z"]
 ROBOT = replace(DAY, robot="abb-irb-120")
 
 
+def whole(joints, nest, places, names=JOINTS):
+    """A table without units for its places, whose uncertainty is said."""
+    rows = np.column_stack([joints, nest, places, np.full(len(joints), 0.02)])
+    return table([*names, "nest", *XYZ, "u [mm]"], rows)
+
+
 def asked(reading):
     return [question.about for question in reading.understood.questions]
 
@@ -50,10 +56,7 @@ def test_a_table_in_plain_words_is_a_campaign_of_the_known_robot_that_fits():
     assert np.degrees(found.campaign.calibration.stops.joints_rad) == pytest.approx(joints, abs=1e-4)
     assert found.campaign.calibration.position_mm == pytest.approx(places, abs=1e-4)
     assert found.campaign.calibration.nest.tolist() == nest.tolist()
-
-
-def test_a_campaign_that_was_brought_is_not_called_simulated():
-    assert not read_imported_files({"mine.csv": plain()}, DAY).campaign.simulated
+    assert not found.campaign.simulated
 
 
 def test_the_day_is_asked_for_and_not_guessed():
@@ -99,9 +102,7 @@ def test_a_change_that_makes_the_robot_fit_is_offered_and_never_made_silently(
 
 def test_joints_in_another_order_are_put_right_with_one_change():
     joints, nest, places = readings()
-    swapped = joints[:, [0, 2, 1, 3, 4, 5]]
-    rows = np.column_stack([swapped, nest, places, np.full(30, 0.02)])
-    data = table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)
+    data = whole(joints[:, [0, 2, 1, 3, 4, 5]], nest, places)
 
     found = read_imported_files({"mine.csv": data}, ROBOT)
 
@@ -111,38 +112,33 @@ def test_joints_in_another_order_are_put_right_with_one_change():
     assert np.degrees(made.campaign.calibration.stops.joints_rad) == pytest.approx(joints, abs=1e-4)
 
 
-def test_where_no_known_robot_fits_its_file_is_asked_for():
+def test_where_no_known_robot_fits_its_file_is_asked_for_and_the_description_of_a_campaign_is_one():
     joints = np.random.default_rng(1).uniform(-1.5, 1.5, (30, 7))
-    seven, nest, places = readings(robot=SEVEN_AXES, joints=joints)
-    rows = np.column_stack([seven, nest, places, np.full(30, 0.02)])
-    data = table([*JOINTS, "q7", "nest", *XYZ, "u [mm]"], rows)
+    data = whole(*readings(robot=SEVEN_AXES, joints=joints), names=[*JOINTS, "q7"])
+    described = campaign_files(make_campaign(robot=SEVEN_AXES, nests=(Nest(None),) * 3))["campaign.json"]
 
-    found = read_imported_files({"mine.csv": data}, DAY)
+    unknown = read_imported_files({"mine.csv": data}, DAY)
+    known = read_imported_files({"mine.csv": data, "campaign.json": described.encode()}, DAY)
 
-    assert asked(found) == ["robot"]
-    assert "7 joints" in english(found.understood.questions[0].sentence)
-    assert found.campaign is None
-
-
-def test_a_description_of_another_campaign_serves_as_the_file_of_the_robot():
-    joints = np.random.default_rng(1).uniform(-1.5, 1.5, (30, 7))
-    seven, nest, places = readings(robot=SEVEN_AXES, joints=joints)
-    rows = np.column_stack([seven, nest, places, np.full(30, 0.02)])
-    data = table([*JOINTS, "q7", "nest", *XYZ, "u [mm]"], rows)
-    description = campaign_files(make_campaign(robot=SEVEN_AXES, nests=(Nest(None),) * 3))[
-        "campaign.json"
-    ].encode()
-
-    found = read_imported_files({"mine.csv": data, "campaign.json": description}, DAY)
-
-    assert found.understood.robot.key == "file"
-    assert found.campaign.robot.name == "seven axes"
+    assert asked(unknown) == ["robot"]
+    assert "7 joints" in english(unknown.understood.questions[0].sentence)
+    assert unknown.campaign is None
+    assert known.understood.robot.key == "file"
+    assert known.campaign.robot.name == "seven axes"
 
 
-def test_three_places_of_the_arm_tell_no_robot():
-    found = read_imported_files({"mine.csv": plain(3)}, DAY)
-
-    assert asked(found) == ["robot"]
+@pytest.mark.parametrize(
+    ("name", "data", "choices", "about"),
+    [
+        ("letter.txt", b"Dear Ada\n", DAY, "tables"),
+        ("points.csv", table(XYZ, readings()[2]), DAY, "joints"),
+        ("mine.csv", plain(3), DAY, "robot"),
+        ("mine.csv", table([*JOINTS, "nest", *XYZ], np.column_stack(readings())), ROBOT, "uncertainty"),
+    ],
+    ids=["no table", "points alone", "three places of the arm", "nothing says how uncertain it is"],
+)
+def test_what_nothing_says_is_asked_for(name, data, choices, about):
+    assert asked(read_imported_files({name: data}, choices)) == [about]
 
 
 def test_another_robot_that_somebody_insists_on_does_not_fit():
@@ -150,15 +146,6 @@ def test_another_robot_that_somebody_insists_on_does_not_fit():
 
     assert asked(found) == ["robot"]
     assert not found.understood.robot.fits
-
-
-def test_uncertainty_is_asked_for_where_nothing_says_it():
-    joints, nest, places = readings()
-    data = table([*JOINTS, "nest", *XYZ], np.column_stack([joints, nest, places]))
-
-    found = read_imported_files({"mine.csv": data}, ROBOT)
-
-    assert asked(found) == ["uncertainty"]
 
 
 def test_places_that_were_measured_again_say_how_uncertain_points_are():
@@ -188,9 +175,8 @@ def test_several_points_of_a_row_are_several_readings():
 def test_one_gross_reading_does_not_make_a_robot_look_like_another():
     joints, nest, places = readings()
     places[4, 1] += 4000.0
-    rows = np.column_stack([joints, nest, places, np.full(30, 0.02)])
 
-    found = read_imported_files({"mine.csv": table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)}, DAY)
+    found = read_imported_files({"mine.csv": whole(joints, nest, places)}, DAY)
 
     assert found.understood.robot.key == "abb-irb-120"
 
@@ -227,14 +213,6 @@ def test_joints_and_points_of_two_tables_find_each_other_by_their_number():
     assert np.degrees(found.campaign.calibration.stops.joints_rad) == pytest.approx(joints[order], abs=1e-4)
 
 
-def test_points_alone_lack_joints_and_it_is_said():
-    _, _, places = readings()
-
-    found = read_imported_files({"points.csv": table(XYZ, places)}, DAY)
-
-    assert asked(found) == ["joints"]
-
-
 def test_lengths_are_read_and_their_robot_is_asked_for():
     legs = leg_campaign(40).legs
     rows = np.column_stack([np.degrees(legs.stops.joints_rad), legs.length_mm, np.full(40, 0.05)])
@@ -263,11 +241,8 @@ def test_the_first_wrong_cell_is_shown_with_the_lines_around_it():
 def test_a_value_that_nobody_can_have_read_is_shown_where_it_was_brought():
     joints, nest, places = readings()
     places[4, 1] = 5e7
-    rows = np.column_stack([joints, nest, places, np.full(30, 0.02)])
 
-    data = table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)
-
-    fault = read_imported_files({"mine.csv": data}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": whole(joints, nest, places)}, DAY).understood.fault
 
     assert (fault.line, fault.column) == (6, 8)
 
@@ -398,10 +373,6 @@ def test_what_is_no_table_is_kept_beside_and_named():
 
     assert found.understood.ready
     assert {file.name: file.kind for file in found.understood.files}["photo.jpg"] == "other"
-
-
-def test_nothing_at_all_is_asked_for():
-    assert asked(read_imported_files({"letter.txt": b"Dear Ada\n"}, DAY)) == ["tables"]
 
 
 def test_labels_of_reflectors_are_numbered_and_it_is_said():
