@@ -71,18 +71,20 @@ def test_an_archive_that_claims_to_be_huge_is_refused_unread():
         read_campaign_zip(data)
 
 
-def test_a_table_of_a_size_that_no_campaign_has_is_refused():
-    bomb = [(name, text if name == "campaign.json" else b"1" * (2**27 + 1)) for name, text in members()]
+@pytest.mark.parametrize(
+    ("name", "blanks", "method", "sentence"),
+    [
+        ("calibration.csv", 2**27, zipfile.ZIP_STORED, "exceeds 128 MB"),
+        ("calibration.csv", 2**24, zipfile.ZIP_DEFLATED, "expands more than 200-fold"),
+        ("campaign.json", 2**23, zipfile.ZIP_STORED, "exceeds 4 MB"),
+    ],
+)
+def test_a_member_of_a_size_that_no_campaign_has_is_refused(name, blanks, method, sentence):
+    sound = dict(members())
+    padded = {**sound, name: sound[name] + " " * blanks}
 
-    with pytest.raises(UnsafeArchiveError, match=r"'calibration.csv' exceeds 128 MB"):
-        read_campaign_zip(archive(bomb, zipfile.ZIP_STORED))
-
-
-def test_a_table_that_expands_beyond_reason_is_refused_before_it_is_inflated():
-    bomb = [(name, text if name == "campaign.json" else b"1" * 2**24) for name, text in members()]
-
-    with pytest.raises(UnsafeArchiveError, match=r"'calibration.csv' expands more than 200-fold"):
-        read_campaign_zip(archive(bomb))
+    with pytest.raises(UnsafeArchiveError, match=f"'{name}' {sentence}"):
+        read_campaign_zip(archive(padded.items(), method))
 
 
 def test_a_member_that_hides_its_size_is_cut_off():
@@ -101,13 +103,6 @@ def test_a_directory_of_a_million_members_is_refused_unread():
 
     with pytest.raises(UnsafeArchiveError, match="more than the 1000 members"):
         read_campaign_zip(entry * 1_000_000)
-
-
-def test_a_description_of_a_size_that_nobody_writes_is_refused():
-    padded = members()[0][1].encode() + b" " * 2**23
-
-    with pytest.raises(UnsafeArchiveError, match=r"'campaign.json' exceeds 4 MB"):
-        read_campaign_zip(archive([("campaign.json", padded), *members()[1:]], zipfile.ZIP_STORED))
 
 
 def test_too_many_members_are_refused():

@@ -176,27 +176,31 @@ def test_another_unit_in_a_key_is_refused_with_the_one_that_is_required(case):
     require_refused(rename(key, other), WrongUnitError, f"{place}.{other}" if place else other, sentence)
 
 
-def test_gravity_in_other_units_is_told_from_its_size():
-    edit = put("gravity_m_s2_world", [0, 0, -9810])
+OF_ANOTHER_KIND = {
+    "gravity in other units": ("gravity_m_s2_world", [0, 0, -9810], WrongUnitError, "in m/s2"),
+    "a later format": ("format", 2, NewerVersionError, "has format 2"),
+    "a file that is not there": (
+        "files.calibration",
+        "points.csv",
+        MissingFileError,
+        "points.csv is not in",
+    ),
+    "no readings": ("files", {}, MissingEntryError, "no readings are named"),
+}
 
-    require_refused(edit, WrongUnitError, "gravity_m_s2_world", "in m/s2")
 
+@pytest.mark.parametrize("case", OF_ANOTHER_KIND)
+def test_a_value_that_tells_of_another_mistake_is_refused_as_that(case):
+    key, value, kind, sentence = OF_ANOTHER_KIND[case]
 
-def test_a_later_format_is_refused_as_one():
-    require_refused(put("format", 2), NewerVersionError, "format", "has format 2")
-
-
-def test_a_file_that_is_not_there_is_named():
-    edit = put("files.calibration", "points.csv")
-
-    require_refused(edit, MissingFileError, "files.calibration", "points.csv is not in")
+    require_refused(put(key, value), kind, key, sentence)
 
 
 def test_what_is_missing_inside_is_named_with_its_place():
-    without_d = "dhm_nominal[1]", "key d_mm is missing"
+    def without_d(document):
+        del document["dhm_nominal"][1]["d_mm"]
 
-    require_refused(lambda document: document["dhm_nominal"][1].pop("d_mm"), MissingEntryError, *without_d)
-    require_refused(put("files", {}), MissingEntryError, "files", "no readings are named")
+    require_refused(without_d, MissingEntryError, "dhm_nominal[1]", "key d_mm is missing")
 
 
 def test_certified_nests_need_their_uncertainty():

@@ -28,6 +28,10 @@ def contacts(*lines, header=HEADER, targets=SPHERES):
     return read_contact_table("contacts.csv", rows(header, *lines), 1, range(1, 4), targets)[0]
 
 
+def distances(*lines, targets=SPHERES):
+    return read_distance_table("d.csv", rows("target_a,target_b,distance_mm,u_mm", *lines), targets)
+
+
 def test_a_closed_loop_reads_back_equal():
     campaign = make_contact_campaign()
 
@@ -95,24 +99,12 @@ def test_a_row_without_an_axis_has_none():
         (lambda: read_target_table("targets.csv", b"target,kind\n1,wire\n1,wire\n"), "listed once"),
         (lambda: read_target_table("targets.csv", b"target,kind,nx,ny,nz\n1,plane,0,0,0\n"), "has a length"),
         (lambda: read_target_table("targets.csv", b"target,kind,nx\n1,plane,0\n"), "ny"),
+        (lambda: distances("1,4,300,0.001"), "that have a centre: 1, 2"),
         (
-            lambda: read_distance_table(
-                "d.csv", b"target_a,target_b,distance_mm,u_mm\n1,4,300,0.001\n", SPHERES
-            ),
-            "that have a centre: 1, 2",
-        ),
-        (
-            lambda: read_distance_table(
-                "d.csv", b"target_a,target_b,distance_mm,u_mm\n4,4,300,0.001\n", SPHERES[2:]
-            ),
+            lambda: distances("4,4,300,0.001", targets=SPHERES[2:]),
             "that have a centre, of which there are none",
         ),
-        (
-            lambda: read_distance_table(
-                "d.csv", b"target_a,target_b,distance_mm,u_mm\n1,1,300,0.001\n", SPHERES
-            ),
-            "two different targets",
-        ),
+        (lambda: distances("1,1,300,0.001"), "two different targets"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_meant_is_refused(read, words):

@@ -99,11 +99,31 @@ def test_a_column_that_is_missing_is_named(case):
     require_refused(text, MissingEntryError, (1, None), sentence)
 
 
-def test_a_beam_from_nowhere_is_refused():
-    text = with_columns("u_along_mm,u_across_mm", *["1,1"] * 3)
-    sentence = "need tracker_position_world_mm in campaign.json"
+HEADINGS = {
+    "a beam from nowhere": (
+        with_columns("u_along_mm,u_across_mm", *["1,1"] * 3),
+        MissingEntryError,
+        (1, "u_along_mm"),
+        "need tracker_position_world_mm in campaign.json",
+    ),
+    "a column twice": (
+        points().replace("y_mm", "x_mm"),
+        BadValueError,
+        (1, "x_mm"),
+        "the column appears twice",
+    ),
+    "a header below blank lines": (
+        "\n,,\n" + points().replace("u_mm", "sigma"),
+        MissingEntryError,
+        (3, None),
+        "column u_mm is missing",
+    ),
+}
 
-    require_refused(text, MissingEntryError, (1, "u_along_mm"), sentence)
+
+@pytest.mark.parametrize("case", HEADINGS)
+def test_a_mistake_in_the_header_is_refused_where_it_is(case):
+    require_refused(*HEADINGS[case])
 
 
 OTHER_UNITS = {
@@ -145,18 +165,6 @@ def test_what_is_no_table_is_refused_where_it_begins(case):
     require_refused(text, UnreadableFileError, (line, None), sentence)
 
 
-def test_a_column_that_appears_twice_is_refused():
-    text = points().replace("y_mm", "x_mm")
-
-    require_refused(text, BadValueError, (1, "x_mm"), "the column appears twice")
-
-
-def test_the_header_is_named_by_its_own_line_where_blank_ones_stand_above():
-    text = "\n,,\n" + points().replace("u_mm", "sigma")
-
-    require_refused(text, MissingEntryError, (3, None), "column u_mm is missing")
-
-
 def test_a_table_of_visits_with_a_heading_twice_is_refused():
     with pytest.raises(BadValueError, match="the column appears twice") as refusal:
         visits_from("visits.csv", b"campaign,robot,instrument,day,day\na,1,2,2026-03-03,\n")
@@ -179,20 +187,13 @@ def assert_one_sentence(error):
     assert "\n" not in str(error)
 
 
-def test_of_two_bad_cells_the_one_read_first_is_named():
-    rows = (ROWS[0], "2,5,15,25,1,110,bad,worse,0.02", "x,6,16,26,1,120,220,320,0.02")
-
-    with pytest.raises(BadValueError) as refusal:
-        read(points(rows=rows))
-
-    assert (refusal.value.line, refusal.value.column) == (3, "y_mm")
+TWO_BAD_CELLS = (ROWS[0], "2,5,15,25,1,110,bad,worse,0.02", "x,6,16,26,1,120,220,320,0.02")
+BELOW_A_BLANK_LINE = (ROWS[0], "", ROWS[1], "3,6,16,26,1,120,bad,320,0.02")
 
 
-def test_lines_are_counted_through_blank_ones():
-    with pytest.raises(BadValueError) as refusal:
-        read(points(rows=(ROWS[0], "", ROWS[1], "3,6,16,26,1,120,220,bad,0.02")))
-
-    assert refusal.value.line == 5
+@pytest.mark.parametrize(("rows", "line"), [(TWO_BAD_CELLS, 3), (BELOW_A_BLANK_LINE, 5)])
+def test_the_bad_cell_read_first_is_named_by_its_line_of_the_file(rows, line):
+    require_refused(points(rows=rows), BadValueError, (line, "y_mm"), "'bad' is not a number")
 
 
 def test_the_point_in_the_tracker_itself_has_no_beam():

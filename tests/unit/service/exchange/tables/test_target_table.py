@@ -16,6 +16,7 @@ from truepose.exchange.tables.targets import CorrectionWriter, targets_of
 
 POSE = "300,0,500,1,0,0,0"
 HEADER = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz"
+JOINTS = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg"
 ROOMY = replace(IRB_120, joint_limits=(JointRange(-3.2, 3.2),) * 6)
 MODEL = model_of(ROOMY, base=model_of().nominal_base)
 
@@ -29,16 +30,16 @@ def one(text):
     return part
 
 
-def test_names_stay_as_they_stood_commas_included():
-    part = one(f'{HEADER}\n"weld, left",{POSE}\np 2,{POSE}\n')
-
-    assert part.names == ("weld, left", "p 2")
-
-
-def test_without_names_targets_are_numbered_from_one():
-    part = one("x_mm,y_mm,z_mm,qw,qx,qy,qz\n" + f"{POSE}\n" * 3)
-
-    assert part.names == ("1", "2", "3")
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (f'{HEADER}\n"weld, left",{POSE}\np 2,{POSE}\n', ("weld, left", "p 2")),
+        ("x_mm,y_mm,z_mm,qw,qx,qy,qz\n" + f"{POSE}\n" * 3, ("1", "2", "3")),
+    ],
+    ids=["given", "numbered from one"],
+)
+def test_names_stay_as_they_stood_commas_included(text, names):
+    assert one(text).names == names
 
 
 def test_only_the_pose_must_be_there():
@@ -52,7 +53,7 @@ def test_only_the_pose_must_be_there():
 
 
 def test_branch_nest_joints_and_stop_are_taken_where_they_stand():
-    header = f"{HEADER},branch,nest,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,dir1,dir2,dir3,dir4,dir5,dir6"
+    header = f"{HEADER},branch,nest,{JOINTS},dir1,dir2,dir3,dir4,dir5,dir6"
     part = one(
         f"{header},temperature_C\na,{POSE},back/up/flip,2,10,20,30,40,50,60,1,1,1,1,1,-1,23.5\n"
         f"b,{POSE},,,,,,,,,,,,,,,\nc,{POSE},3,0,,,,,,,,,,,,,\n"
@@ -84,7 +85,7 @@ def test_a_long_table_comes_in_parts_that_are_numbered_on():
         (f"{HEADER},nest\na,{POSE},3\n", BadValueError, r"line 2, column nest: .*0, 1, 2"),
         (f"{HEADER},q1_deg\na,{POSE},1\n", MissingEntryError, "q2_deg is missing"),
         (
-            f"{HEADER},q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,{POSE},1,2,,4,5,6\n",
+            f"{HEADER},{JOINTS}\na,{POSE},1,2,,4,5,6\n",
             BadValueError,
             r"line 2, column q1_deg: some joints are given and some are empty",
         ),
@@ -98,18 +99,15 @@ def test_what_cannot_be_meant_is_refused_with_its_place(text, error, sentence):
 
 
 def test_a_table_of_joints_alone_is_what_the_controller_would_be_sent_to():
-    header = ",".join(f"q{j}_deg" for j in range(1, 7))
-    part = one(f"{header}\n10,20,30,40,50,60\n")
+    part = one(f"{JOINTS}\n10,20,30,40,50,60\n")
 
     assert part.poses is None
     assert np.degrees(part.stops.joints_rad) == pytest.approx(np.array([[10, 20, 30, 40, 50, 60]]))
 
 
 def test_a_table_of_joints_alone_has_all_of_them():
-    header = ",".join(f"q{j}_deg" for j in range(1, 7))
-
     with pytest.raises(BadValueError, match=r"line 2, column q3_deg: the cell is empty"):
-        read(f"{header}\n10,20,,40,50,60\n")
+        read(f"{JOINTS}\n10,20,,40,50,60\n")
 
 
 def test_a_table_of_more_targets_than_are_wanted_is_refused():
@@ -141,7 +139,7 @@ def test_what_is_written_keeps_the_order_and_leaves_out_joints_that_do_not_lead_
 
     rows = list(csv.DictReader(io.StringIO(stream.getvalue())))
     assert [row["target"] for row in rows] == ["a, b", "far"] * 2
-    assert list(rows[0])[:8] == ["target", "branch", *(f"q{j}_deg" for j in range(1, 7))]
+    assert list(rows[0])[:8] == ["target", "branch", *JOINTS.split(",")]
     assert [row["status"] for row in rows[:2]] == ["ok", "out_of_reach"]
     joints = np.radians([float(rows[0][f"q{j}_deg"]) for j in range(1, 7)])
     assert joints == pytest.approx(found.joints_rad[0], abs=1e-11)
