@@ -36,18 +36,20 @@ def test_angles_are_in_degrees():
     assert (length["value"], length["unit"]) == (0.2, "mm")
 
 
-def test_cross_validation_stands_where_there_is_no_validation():
-    document = identification_document(make_identification(), "x")
-
-    assert document["statistics"].keys() == {"calibration", "cross_validation"}
-
-
-def test_validation_leaves_no_place_for_cross_validation():
-    identification = make_identification(validation=make_pair(), calibration_without_outliers=make_pair())
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ((), {"cross_validation"}),
+        (("validation", "calibration_without_outliers"), {"validation", "calibration_without_outliers"}),
+    ],
+    ids=["no validation", "validation"],
+)
+def test_cross_validation_stands_where_there_is_no_validation(given, named):
+    identification = make_identification(**dict.fromkeys(given, make_pair()))
 
     blocks = identification_document(identification, "x")["statistics"]
 
-    assert blocks.keys() == {"calibration", "calibration_without_outliers", "validation"}
+    assert blocks.keys() == {"calibration"} | named
 
 
 @pytest.mark.parametrize(
