@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.exchange.drawn_programs import LANGUAGES, tried
-from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.identification.models import extended
 from truepose.domain.robot import JointRange
 from truepose.exchange.programs.controller_rules import (
     Confdata,
@@ -21,6 +21,9 @@ from truepose.exchange.programs.program_correction import corrected_program
 from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.inverse import branch_of
 from truepose.messages.catalogue import english
+
+IRB, KUKA = load_robot("abb-irb-120"), load_robot("kuka-kr-6-r900-sixx")
+FANUC, UR = load_robot("fanuc-lr-mate-200ic"), load_robot("universal-robots-ur10")
 
 
 @pytest.mark.parametrize("name", LANGUAGES)
@@ -37,9 +40,9 @@ def test_small_and_large_errors_are_kept_to_the_same_rule(size, seed):
     assert tried(LANGUAGES["RAPID"], 30, seed, size).elsewhere == 0
 
 
-def kuka():
-    robot = load_robot("kuka-kr-6-r900-sixx")
-    return model_of(robot, *plain_parameters(robot))
+def corrected(robot, data, name, options=None):
+    """A program after the correction by a model of this robot."""
+    return corrected_program(extended(robot), read_program(data, name), options or ProgramOptions())
 
 
 def stated(robot, joints):
@@ -48,20 +51,15 @@ def stated(robot, joints):
 
 
 def drawn_rapid(external="9E9,9E9,9E9,9E9,9E9,9E9"):
-    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), np.radians([[20.0, 30, -25, 40, 50, 60]]))
+    data = LANGUAGES["RAPID"].write(IRB, np.radians([[20.0, 30, -25, 40, 50, 60]]))
     return data.replace(b"9E9,9E9,9E9,9E9,9E9,9E9", external.encode())
-
-
-def irb():
-    robot = load_robot("abb-irb-120")
-    return model_of(robot, *plain_parameters(robot))
 
 
 @pytest.mark.parametrize("external", ["0,9E9,9E9,9E9,9E9,9E9", "12.5,9E9,9E9,9E9,9E9,9E9"])
 def test_a_target_with_an_external_axis_is_left_alone_with_the_reason(external):
     data = drawn_rapid(external)
 
-    answer = corrected_program(irb(), read_program(data, "m.mod"))
+    answer = corrected(IRB, data, "m.mod")
 
     assert answer.data == data
     assert "external axes" in english(answer.left_alone[0].reason)
@@ -72,7 +70,7 @@ def test_only_what_is_corrected_is_named_as_corrected_beside_what_is_left_alone(
     used = b"fine,t\\WObj:=w;\n    MoveL Offs(p0,0,0,50),v100,fine,t\\WObj:=w;"
     data = drawn_rapid(f"{external},9E9,9E9,9E9,9E9").replace(b"fine,t\\WObj:=w;", used)
 
-    answer = corrected_program(irb(), read_program(data, "m.mod"))
+    answer = corrected(IRB, data, "m.mod")
 
     (offset,) = [left for left in answer.left_alone if left.what.startswith("MoveL Offs")]
     assert english(offset.reason).endswith("corrected in the file: p0") is named
@@ -82,11 +80,11 @@ def test_only_what_is_corrected_is_named_as_corrected_beside_what_is_left_alone(
 def test_a_quadrant_follows_the_axis_that_a_correction_takes_across_its_border():
     joints = np.radians(np.tile([20.0, 30, -25, 40, 50, 60], (40, 1)))
     joints[:, 3] = np.radians(np.linspace(89.0, 91.0, 40))
-    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), joints)
+    data = LANGUAGES["RAPID"].write(IRB, joints)
 
-    answer = corrected_program(irb(), read_program(data, "m.mod"))
+    answer = corrected(IRB, data, "m.mod")
 
-    sent = LANGUAGES["RAPID"].taken(load_robot("abb-irb-120"), answer.data, joints)
+    sent = LANGUAGES["RAPID"].taken(IRB, answer.data, joints)
     assert answer.found.solved.all()
     assert answer.left_alone == ()
     assert sent == pytest.approx(answer.found.joints_rad, abs=1e-6)
@@ -96,12 +94,11 @@ def test_a_quadrant_follows_the_axis_that_a_correction_takes_across_its_border()
 def test_the_turn_bits_of_a_kuka_follow_axes_through_zero():
     joints = np.radians(np.tile([0.0, -60.0, 80.0, 20.0, 40.0, 30.0], (20, 1)))
     joints[:, 0] = np.radians(np.linspace(-0.3, 0.3, 20))
-    robot = load_robot("kuka-kr-6-r900-sixx")
-    data = LANGUAGES["KRL"].write(robot, joints)
+    data = LANGUAGES["KRL"].write(KUKA, joints)
 
-    answer = corrected_program(kuka(), read_program(data, "m.src"), stated(robot, joints))
+    answer = corrected(KUKA, data, "m.src", stated(KUKA, joints))
 
-    sent = LANGUAGES["KRL"].taken(robot, answer.data, joints)
+    sent = LANGUAGES["KRL"].taken(KUKA, answer.data, joints)
     assert answer.left_alone == ()
     assert sent == pytest.approx(answer.found.joints_rad, abs=1e-6)
     assert (np.sign(sent[:, 0]) != np.sign(joints[:, 0])).any()
@@ -109,23 +106,19 @@ def test_the_turn_bits_of_a_kuka_follow_axes_through_zero():
 
 def test_words_that_contradict_each_other_are_left_alone():
     joints = np.radians([[10.0, -60.0, 80.0, 20.0, 40.0, 30.0]])
-    robot = load_robot("kuka-kr-6-r900-sixx")
-    data = LANGUAGES["KRL"].write(robot, joints).replace(b"'B000010'", b"'B010010'")
+    data = LANGUAGES["KRL"].write(KUKA, joints).replace(b"'B000010'", b"'B010010'")
 
-    answer = corrected_program(kuka(), read_program(data, "m.src"), stated(robot, joints))
+    answer = corrected(KUKA, data, "m.src", stated(KUKA, joints))
 
     assert answer.data == data
     assert "branch and turns" in english(answer.left_alone[0].reason)
 
 
 def test_one_stated_branch_is_not_taken_for_several_that_a_file_names():
-    robot = load_robot("fanuc-lr-mate-200ic")
     joints = np.radians([[10.0, 20, -10, 20, 40, 30], [15.0, 20, -10, 20, 40, 30]])
-    data = LANGUAGES["FANUC LS"].write(robot, joints).replace(b"'N U T", b"'F U T", 1)
+    data = LANGUAGES["FANUC LS"].write(FANUC, joints).replace(b"'N U T", b"'F U T", 1)
 
-    answer = corrected_program(
-        model_of(robot, *plain_parameters(robot)), read_program(data, "m.ls"), stated(robot, joints)
-    )
+    answer = corrected(FANUC, data, "m.ls", stated(FANUC, joints))
 
     assert answer.data == data
     assert [left.reason.key for left in answer.left_alone] == ["left.many_branches"] * 2
@@ -133,9 +126,9 @@ def test_one_stated_branch_is_not_taken_for_several_that_a_file_names():
 
 def test_a_wrist_exactly_stretched_is_left_alone_where_its_turns_are_shared_in_another_way():
     joints = np.radians([[-16.0, 20.0, 10.0, 75.0, 0.0, -50.0]])
-    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), joints)
+    data = LANGUAGES["RAPID"].write(IRB, joints)
 
-    answer = corrected_program(irb(), read_program(data, "m.mod"))
+    answer = corrected(IRB, data, "m.mod")
 
     assert answer.data == data
     assert [left.reason.key for left in answer.left_alone] == ["left.contradicts"]
@@ -143,9 +136,9 @@ def test_a_wrist_exactly_stretched_is_left_alone_where_its_turns_are_shared_in_a
 
 def test_zeros_written_by_hand_stay_as_they_are():
     joints = np.radians([[-16.0, 20.0, 10.0, 75.0, 30.0, -50.0]])
-    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), joints).replace(b"[-1,0,-1,", b"[0,0,0,")
+    data = LANGUAGES["RAPID"].write(IRB, joints).replace(b"[-1,0,-1,", b"[0,0,0,")
 
-    answer = corrected_program(irb(), read_program(data, "m.mod"))
+    answer = corrected(IRB, data, "m.mod")
 
     assert answer.found.solved.all()
     assert answer.data != data
@@ -154,41 +147,30 @@ def test_zeros_written_by_hand_stay_as_they_are():
 
 @pytest.mark.parametrize("turns", ["0, 0, 1", "0, -1, 0", "-1, 0, 0"])
 def test_a_joint_beyond_half_a_turn_is_left_alone_where_it_is_only_counted(turns):
-    robot = load_robot("fanuc-lr-mate-200ic")
     joints = np.radians([[10.0, 20, -10, 20, 40, 30]])
-    data = LANGUAGES["FANUC LS"].write(robot, joints).replace(b"T, 0, 0, 0", f"T, {turns}".encode())
+    data = LANGUAGES["FANUC LS"].write(FANUC, joints).replace(b"T, 0, 0, 0", f"T, {turns}".encode())
 
-    answer = corrected_program(
-        model_of(robot, *plain_parameters(robot)), read_program(data, "m.ls"), stated(robot, joints)
-    )
+    answer = corrected(FANUC, data, "m.ls", stated(FANUC, joints))
 
     assert answer.data == data
     assert "beyond half a turn" in english(answer.left_alone[0].reason)
 
 
 def test_flags_of_a_yaskawa_beyond_half_a_turn_are_left_alone():
-    robot = load_robot("abb-irb-120")
     joints = np.radians([[20.0, 30, -25, 40, 50, 60], [20.0, 30, -25, 40, 50, 260]])
-    data = LANGUAGES["INFORM"].write(robot, joints)
+    data = LANGUAGES["INFORM"].write(IRB, joints)
 
-    answer = corrected_program(
-        irb(),
-        read_program(data, "m.jbi"),
-        replace(stated(robot, joints), defined={"TOOL 0": AT_THE_ORIGIN}),
-    )
+    answer = corrected(IRB, data, "m.jbi", replace(stated(IRB, joints), defined={"TOOL 0": AT_THE_ORIGIN}))
 
     assert answer.names == ("C00000",)
     assert [(left.what, left.reason.key) for left in answer.left_alone] == [("C00001", "left.turns")]
 
 
 def test_a_pose_of_a_ur_is_reached_in_the_turn_of_the_joints_before():
-    robot = load_robot("universal-robots-ur10")
     joints = np.radians([[20.0, -80, 70, -60, -90, 250]])
-    data = LANGUAGES["URScript, moves"].write(robot, joints)
+    data = LANGUAGES["URScript, moves"].write(UR, joints)
 
-    answer = corrected_program(
-        model_of(robot, *plain_parameters(robot)), read_program(data, "m.script"), stated(robot, joints)
-    )
+    answer = corrected(UR, data, "m.script", stated(UR, joints))
 
     assert answer.left_alone == ()
     assert np.degrees(answer.found.joints_rad[:, 5]) == pytest.approx([250.0, 250.0], abs=10.0)

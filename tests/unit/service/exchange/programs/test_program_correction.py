@@ -46,27 +46,38 @@ def model(**changes):
     return replace(plain, nominal_base=plain.base)
 
 
-def matrix(pose):
+def with_backlash():
+    robot = extended(IRB_120, "backlash")
+    return replace(robot, nominal_base=robot.base)
+
+
+def placed(rotation, position_mm):
     found = np.eye(4)
-    found[:3, :3], found[:3, 3] = rotation_from_quaternion(np.array(pose.quaternion)), pose.position_mm
+    found[:3, :3], found[:3, 3] = rotation, position_mm
     return found
+
+
+def matrix(pose):
+    return placed(rotation_from_quaternion(np.array(pose.quaternion)), pose.position_mm)
 
 
 def nominal_flange(joints_rad):
     chain = nominal_chain(IRB_120, np.atleast_2d(joints_rad))
-    found = np.eye(4)
-    found[:3, :3], found[:3, 3] = chain.end_rotation[0], chain.end_origin[0]
-    return found
+    return placed(chain.end_rotation[0], chain.end_origin[0])
+
+
+def reached(robot, stops):
+    """The chain of the robot as it truly is."""
+    targets = Targets(stops, np.ones(len(stops), dtype=np.int64))
+    return evaluate(structure_of(robot), values_of(robot), targets).chain
 
 
 def real_flange(robot, joints_rad):
     """Where the flange truly is, in the base where the robot truly stands."""
     stops = Stops(np.zeros(1, dtype=np.int64), np.atleast_2d(joints_rad))
-    chain = evaluate(structure_of(robot), values_of(robot), Targets(stops, np.ones(1, dtype=np.int64))).chain
-    base, flange = np.eye(4), np.eye(4)
-    base[:3, :3], base[:3, 3] = chain.base_rotation[0], chain.base_origin[0]
-    flange[:3, :3], flange[:3, 3] = chain.end_rotation[0], chain.end_origin[0]
-    return np.linalg.inv(base) @ flange
+    chain = reached(robot, stops)
+    base = placed(chain.base_rotation[0], chain.base_origin[0])
+    return np.linalg.inv(base) @ placed(chain.end_rotation[0], chain.end_origin[0])
 
 
 def module():
@@ -127,15 +138,13 @@ def test_targets_meant_in_the_world_are_reached_there():
 
     answer = corrected_program(robot, program, ProgramOptions(meant=TargetConventions.WORLD))
 
-    stops = Stops(np.arange(2), answer.found.joints_rad)
-    chain = evaluate(structure_of(robot), values_of(robot), Targets(stops, np.ones(2, dtype=np.int64))).chain
+    arrived = reached(robot, Stops(np.arange(2), answer.found.joints_rad))
     meant = [nominal_flange(joints)[:3, 3] for joints in JOINTS]
-    assert chain.end_origin == pytest.approx(np.array(meant), abs=2e-3)
+    assert arrived.end_origin == pytest.approx(np.array(meant), abs=2e-3)
 
 
 def test_the_side_from_which_a_straight_program_comes_makes_up_for_backlash():
-    robot = extended(IRB_120, "backlash")
-    robot = replace(robot, nominal_base=robot.base)
+    robot = with_backlash()
     there = "CONST jointtarget a:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
     back = "CONST jointtarget b:=[[10,20,-10,5,40,20],[9E9,9E9,9E9,9E9,9E9,9E9]];"
     moves = "PROC main()\nMoveAbsJ a,v100,fine,tool0;\nMoveAbsJ b,v100,fine,tool0;\nENDPROC\n"
@@ -146,11 +155,10 @@ def test_the_side_from_which_a_straight_program_comes_makes_up_for_backlash():
     known = Stops(
         np.zeros(1, dtype=np.int64), found.joints_rad[1:], direction=np.array([[1, 1, -1, 1, 1, 1]])
     )
-    reached = evaluate(structure_of(robot), values_of(robot), Targets(known, np.ones(1, dtype=np.int64)))
-    base = np.eye(4)
-    base[:3, :3], base[:3, 3] = reached.chain.base_rotation[0], reached.chain.base_origin[0]
+    arrived = reached(robot, known)
+    base = placed(arrived.base_rotation[0], arrived.base_origin[0])
     wanted = base @ nominal_flange(np.radians([10, 20, -10, 5, 40, 20]))
-    assert reached.chain.end_origin[0] == pytest.approx(wanted[:3, 3], abs=1e-3)
+    assert arrived.end_origin[0] == pytest.approx(wanted[:3, 3], abs=1e-3)
     turns = found.joints_rad - np.radians([[0, 0, 0, 0, 30, 0], [10, 20, -10, 5, 40, 20]])
     assert found.moved_rad == pytest.approx(np.abs(turns).max(axis=1))  # from the controller's own answer
     assert (found.moved_rad > 1e-4).all()
@@ -175,30 +183,26 @@ def test_a_tool_that_the_file_does_not_name_is_refused():
         corrected_program(model(), program, ProgramOptions(defined={"tGum": TOOL}))
 
 
-def test_joints_of_a_fanuc_are_left_alone_because_they_count_from_the_horizontal():
-    text = (
-        "/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
-        "\tJ1= 10.000 deg, J2= 20.000 deg, J3= -10.000 deg,\n"
-        "\tJ4= 0.000 deg, J5= 40.000 deg, J6= 0.000 deg\n};\n/END\n"
-    )
+OF_A_FANUC = (
+    b"/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
+    b"\tJ1= 10.000 deg, J2= 20.000 deg, J3= 10.000 deg,\n"
+    b"\tJ4= 0.000 deg, J5= 40.000 deg, J6= 0.000 deg\n};\n/END\n"
+)
 
-    answer = corrected_program(model(), read_program(text.encode(), "a.ls"))
+
+def test_joints_of_a_fanuc_are_left_alone_because_they_count_from_the_horizontal():
+    answer = corrected_program(model(), read_program(OF_A_FANUC, "a.ls"))
 
     assert answer.names == ()
-    assert answer.data == text.encode()
+    assert answer.data == OF_A_FANUC
     assert "from the horizontal" in english(answer.left_alone[0].reason)
 
 
 def test_stated_to_count_from_the_horizontal_joints_of_a_fanuc_are_corrected():
-    text = (
-        "/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
-        "\tJ1= 10.000 deg, J2= 20.000 deg, J3= 10.000 deg,\n"
-        "\tJ4= 0.000 deg, J5= 40.000 deg, J6= 0.000 deg\n};\n/END\n"
-    )
     shown = np.radians([10.0, 20.0, 10.0, 0.0, 40.0, 0.0])
     own = shown - np.array([0.0, 0.0, shown[1], 0.0, 0.0, 0.0])  # axes 2 and 3 of an IRB 120 point alike
 
-    answer = corrected_program(model(), read_program(text.encode(), "a.ls"), ProgramOptions(coupled=True))
+    answer = corrected_program(model(), read_program(OF_A_FANUC, "a.ls"), ProgramOptions(coupled=True))
 
     again = read_program(answer.data, "a.ls").targets[0].value.joints_rad
     sent = answer.found.joints_rad[0]
@@ -254,10 +258,7 @@ def test_a_nest_that_the_tool_does_not_have_is_told():
 
 
 def test_a_program_corrected_by_a_model_with_backlash_says_what_is_not_known_of_its_approaches():
-    robot = extended(IRB_120, "backlash")
-    robot = replace(robot, nominal_base=robot.base)
-
-    cautions = corrected_program(robot, read_program(module(), "weld.mod")).cautions
+    cautions = corrected_program(with_backlash(), read_program(module(), "weld.mod")).cautions
 
     assert any("backlash" in english(caution) for caution in cautions)
     assert corrected_program(model(), read_program(module(), "weld.mod")).cautions == ()
