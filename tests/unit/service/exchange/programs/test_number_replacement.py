@@ -195,28 +195,38 @@ def test_joint_angles_of_a_fanuc_program_have_three_decimals():
     assert b"J3=    0.000 deg" in again.data
 
 
-def test_a_number_has_the_decimals_that_it_had_or_those_that_it_needs():
-    program = read("n.json", row("1.2000,5,7,1,0,0,0"))
+AS_IT_WAS = (1.0, 0.0, 0.0, 0.0)
+HALF = math.sqrt(0.5)
+NUMBERS = {
+    "as many decimals as it had or needs": (
+        "1.2000,5,7,1,0,0,0",
+        Pose((1.5, 6.0, 7.123456789), AS_IT_WAS),
+        "1.5000,6,7.123457,1,0,0,0",
+    ),
+    "its text where it is the same to its last decimal": (
+        "1e2,-0,7,1,0,0,0",
+        Pose((100.0000001, 1e-9, 8.0), (1.0, 0.0, 0.0, 1e-15)),
+        "1e2,-0,8,1,0,0,0",
+    ),
+    "no sign where it is zero": ("1,1,1,1,0,0,0", Pose((-1e-9, 1.0, 1.0), AS_IT_WAS), "0,1,1,1,0,0,0"),
+    "its text in the same rotation": (
+        "1,1,1,0.7071,0,0.7071,0",
+        Pose((1.0, 1.0, 1.0), (-HALF, 0.0, -HALF, 0.0)),
+        "1,1,1,0.7071,0,0.7071,0",
+    ),
+    "the sign of its quaternion": (
+        "1,1,1,-0.5,-0.5,-0.5,-0.5",
+        Pose((2.0, 1.0, 1.0), (0.5, 0.5, 0.5, 0.5)),
+        "2,1,1,-0.5,-0.5,-0.5,-0.5",
+    ),
+}
 
-    written = rewritten(program, {0: Pose((1.5, 6.0, 7.123456789), (1.0, 0.0, 0.0, 0.0))})
 
-    assert written == row("1.5000,6,7.123457,1,0,0,0")
+@pytest.mark.parametrize("kept", NUMBERS)
+def test_what_is_written_of_a_number(kept):
+    before, pose, after = NUMBERS[kept]
 
-
-def test_a_number_that_is_the_same_to_its_last_decimal_keeps_its_text():
-    program = read("n.json", row("1e2,-0,7,1,0,0,0"))
-
-    written = rewritten(program, {0: Pose((100.0000001, 1e-9, 8.0), (1.0, 0.0, 0.0, 1e-15))})
-
-    assert written == row("1e2,-0,8,1,0,0,0")
-
-
-def test_no_zero_is_written_with_a_sign():
-    program = read("n.json", row("1,1,1,1,0,0,0"))
-
-    written = rewritten(program, {0: Pose((-1e-9, 1.0, 1.0), (1.0, 0.0, 0.0, 0.0))})
-
-    assert written == row("0,1,1,1,0,0,0")
+    assert rewritten(read("n.json", row(before)), {0: pose}) == row(after)
 
 
 def test_a_small_turn_changes_angles_a_little_even_where_they_are_beyond_half_a_turn():
@@ -237,23 +247,6 @@ def test_a_rotation_vector_beyond_half_a_turn_stays_there(sign):
     written = rewritten(program, {0: Pose((0.0, 0.0, 0.0), (w, x, y, z))})
 
     assert written == b"movel(p[0,0,0,0,3.25,0])\n"
-
-
-def test_a_rotation_that_is_the_same_keeps_its_text():
-    data = row("1,1,1,0.7071,0,0.7071,0")
-    half = math.sqrt(0.5)
-
-    written = rewritten(read("n.json", data), {0: Pose((1.0, 1.0, 1.0), (-half, 0.0, -half, 0.0))})
-
-    assert written == data
-
-
-def test_a_quaternion_keeps_its_sign():
-    program = read("n.json", row("1,1,1,-0.5,-0.5,-0.5,-0.5"))
-
-    written = rewritten(program, {0: Pose((2.0, 1.0, 1.0), (0.5, 0.5, 0.5, 0.5))})
-
-    assert written == row("2,1,1,-0.5,-0.5,-0.5,-0.5")
 
 
 @pytest.mark.parametrize(
