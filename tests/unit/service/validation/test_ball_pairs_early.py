@@ -22,9 +22,26 @@ def legs_that_differ(session, pose, least_mm):
     return min((pair for pair in combinations(pose.legs, 2) if difference(pair) > least_mm), key=difference)
 
 
+def stop_of(session, pose):
+    return session.beforehand.poses(1, np.array([pose.joints_rad]))[0]
+
+
 @pytest.fixture
 def session():
     return EarlySession.of(seed=3)
+
+
+@pytest.fixture
+def poses(session):
+    return session.plan.placements[0].poses
+
+
+@pytest.fixture
+def later(session, poses):
+    """The session after the poses before, from which much is foreseen."""
+    for pose in poses[:LATER]:
+        session.pose(pose)
+    return session
 
 
 def test_what_is_read_as_asked_is_stored_without_a_question():
@@ -40,43 +57,36 @@ def test_what_is_read_as_asked_is_stored_without_a_question():
     assert sum(questions) <= 6
 
 
-def test_lengths_are_foreseen_from_the_poses_before_as_well_as_is_said(session):
-    poses = session.plan.placements[0].poses
-    for pose in poses[:LATER]:
-        session.pose(pose)
-    stop = session.beforehand.poses(1, np.array([poses[LATER].joints_rad]))[0]
+def test_lengths_are_foreseen_from_the_poses_before_as_well_as_is_said(later, poses):
+    stop = stop_of(later, poses[LATER])
 
-    length, covariance = session.accounts.at(stop).forecast()
+    length, covariance = later.accounts.at(stop).forecast()
 
-    true = np.array([session.true_mm(poses[LATER], pair) for pair in stop.pairs])
+    true = np.array([later.true_mm(poses[LATER], pair) for pair in stop.pairs])
     off = true - length
     assert np.max(np.abs(off)) < 0.2
     assert off @ np.linalg.solve(covariance, off) / len(off) < 4.0
 
 
-def test_a_reading_that_is_far_from_every_pair_breaks_nothing(session):
-    stop = session.beforehand.poses(1, np.array([session.plan.placements[0].poses[FIRST].joints_rad]))[0]
-    here = session.accounts.at(stop)
+def test_a_reading_that_is_far_from_every_pair_breaks_nothing(session, poses):
+    stop = stop_of(session, poses[FIRST])
 
-    after = here.read(stop.pairs[0], 350.0)
+    after = session.accounts.at(stop).read(stop.pairs[0], 350.0)
 
     assert np.isfinite(after.forecast()[0]).all()
 
 
-def test_a_wrong_pair_is_named_when_it_is_read_once_lengths_are_foreseen(session):
-    poses = session.plan.placements[0].poses
-    for pose in poses[:LATER]:
-        session.pose(pose)
-    right, wrong = legs_that_differ(session, poses[LATER], 0.2)
+def test_a_wrong_pair_is_named_when_it_is_read_once_lengths_are_foreseen(later, poses):
+    right, wrong = legs_that_differ(later, poses[LATER], 0.2)
 
-    asked = session.pose(poses[LATER], {right: wrong})
+    asked = later.pose(poses[LATER], {right: wrong})
 
     assert asked[right].kind == "other_pair"
     assert asked[right].suspected == wrong
 
 
-def test_a_wrong_pair_of_the_first_pose_is_asked_about_when_that_pair_comes(session):
-    pose = session.plan.placements[0].poses[FIRST]
+def test_a_wrong_pair_of_the_first_pose_is_asked_about_when_that_pair_comes(session, poses):
+    pose = poses[FIRST]
     right, wrong = legs_that_differ(session, pose, 0.05)
 
     asked = session.pose(pose, {right: wrong})
@@ -85,8 +95,8 @@ def test_a_wrong_pair_of_the_first_pose_is_asked_about_when_that_pair_comes(sess
     assert asked[wrong].suspected == right
 
 
-def test_the_same_pair_twice_is_asked_about_in_the_first_pose(session):
-    pose = session.plan.placements[0].poses[FIRST]
+def test_the_same_pair_twice_is_asked_about_in_the_first_pose(session, poses):
+    pose = poses[FIRST]
 
     asked = session.pose(pose, {pose.legs[3]: pose.legs[1]})
 
@@ -106,8 +116,7 @@ def test_a_doubt_about_an_earlier_leg_carries_the_length_that_was_read_for_it():
     assert suspicion.length_mm == pytest.approx(session.true_mm(pose, first), abs=5 * READING_U_MM)
 
 
-def test_an_exchange_that_could_not_be_seen_is_found_by_the_poses_after_it(session):
-    poses = session.plan.placements[0].poses
+def test_an_exchange_that_could_not_be_seen_is_found_by_the_poses_after_it(session, poses):
     first, second = legs_that_differ(session, poses[FIRST], 0.05)
     asked = session.pose(poses[FIRST], {first: second, second: first})
     assert not any(asked.values())
@@ -119,38 +128,30 @@ def test_an_exchange_that_could_not_be_seen_is_found_by_the_poses_after_it(sessi
     assert not any(any(asked.values()) for asked in others[4:])  # it has not spoilt what is foreseen
 
 
-def test_a_wrong_reading_that_a_person_maintains_does_not_spoil_what_follows(session):
-    poses = session.plan.placements[0].poses
-    for pose in poses[:LATER]:
-        session.pose(pose)
+def test_a_wrong_reading_that_a_person_maintains_does_not_spoil_what_follows(later, poses):
     pose = poses[LATER]
-    right, wrong = legs_that_differ(session, pose, 0.2)
-    stop = session.beforehand.poses(1, np.array([pose.joints_rad]))[0]
-    length_mm = session.true_mm(pose, wrong)
+    right, wrong = legs_that_differ(later, pose, 0.2)
+    here = later.accounts.at(stop_of(later, pose))
 
-    session.accounts = session.accounts.at(stop).read(right, length_mm, affirmed=True)
+    later.accounts = here.read(right, later.true_mm(pose, wrong), affirmed=True)
 
-    after = [session.pose(pose) for pose in poses[LATER + 1 :]]
+    after = [later.pose(pose) for pose in poses[LATER + 1 :]]
     assert not any(any(asked.values()) for asked in after)
 
 
-def test_legs_that_cannot_be_told_apart_are_said_beforehand(session):
-    poses = session.plan.placements[0].poses
-    stop = session.beforehand.poses(1, np.array([poses[FIRST].joints_rad]))[0]
-
-    unseen_at_first = alike(session.accounts.at(stop))
+def test_legs_that_cannot_be_told_apart_are_said_beforehand(session, poses):
+    unseen_at_first = alike(session.accounts.at(stop_of(session, poses[FIRST])))
     for pose in poses[:LATER]:
         session.pose(pose)
-    stop = session.beforehand.poses(1, np.array([poses[LATER].joints_rad]))[0]
-    unseen_later = alike(session.accounts.at(stop))
+    unseen_later = alike(session.accounts.at(stop_of(session, poses[LATER])))
 
     assert len(unseen_at_first) == 15  # every two of six legs
     assert len(unseen_later) < 5
 
 
-def test_only_pairs_within_reach_of_the_ballbar_may_be_exchanged_unseen(session):
-    stop = session.beforehand.poses(1, np.array([session.plan.placements[0].poses[FIRST].joints_rad]))[0]
-    first, second = session.plan.placements[0].poses[FIRST].legs[:2]
+def test_only_pairs_within_reach_of_the_ballbar_may_be_exchanged_unseen(session, poses):
+    stop = stop_of(session, poses[FIRST])
+    first, second = poses[FIRST].legs[:2]
     moved = np.isin(np.arange(len(stop.pairs)), [stop.pairs.index(leg) for leg in (first, second)])
     stop = replace(stop, nominal_mm=np.where(moved, KIT.base_bars.nominal_mm + 4.0, stop.nominal_mm))
     here = session.accounts.at(stop)

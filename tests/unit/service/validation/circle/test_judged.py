@@ -18,6 +18,7 @@ from truepose.messages.catalogue import english
 from truepose.validation.circle_test import circle_test
 
 _ANGLES = there_and_back(-150, 150, 10)
+_DIRECTION = np.sign(np.diff(_ANGLES, prepend=-151)).astype(np.int64)
 _U_MM = 0.01
 
 
@@ -53,8 +54,7 @@ def test_a_perfect_robot_has_no_errors_and_it_says_so(joint):
 @pytest.mark.parametrize("joint", range(1, 7))
 def test_what_a_joint_does_wrong_is_found_on_its_circle(joint):
     angles = np.radians(_ANGLES)
-    direction = np.sign(np.diff(_ANGLES, prepend=-151))
-    error = 4e-4 * angles + 5e-4 * np.cos(2.0 * (angles - 0.3)) - 1e-4 * direction
+    error = 4e-4 * angles + 5e-4 * np.cos(2.0 * (angles - 0.3)) - 1e-4 * _DIRECTION
 
     found = one(joint, true_rad=bent(joint, _ANGLES, error))
 
@@ -91,24 +91,18 @@ def test_from_one_side_no_backlash_is_stated():
     assert found.curve.gain is not None
 
 
-def test_the_table_says_from_which_side_where_the_order_does_not():
-    shuffled = np.random.default_rng(1).permutation(len(_ANGLES))
-    direction = np.sign(np.diff(_ANGLES, prepend=-151))
-    signs = np.zeros((len(_ANGLES), 6), dtype=np.int64)
-    signs[:, 2] = direction
-    stands = bent(3, _ANGLES, -1e-4 * direction)[shuffled]
-
-    found = only(turned(3, _ANGLES)[shuffled], true_rad=stands, direction=signs[shuffled])
-
-    assert found.backlash_rad.value == pytest.approx(2e-4, rel=1e-3)
+_SHUFFLED = np.random.default_rng(1).permutation(len(_ANGLES))
 
 
-def test_time_gives_the_order_where_it_is_known():
-    direction = np.sign(np.diff(_ANGLES, prepend=-151))
-    shuffled = np.random.default_rng(1).permutation(len(_ANGLES))
-    stands = bent(3, _ANGLES, -1e-4 * direction)[shuffled]
+@pytest.mark.parametrize(
+    "told",
+    [{"direction": np.outer(_DIRECTION, np.arange(6) == 2)[_SHUFFLED]}, {"time_s": _SHUFFLED.astype(float)}],
+    ids=["direction", "time"],
+)
+def test_the_table_says_from_which_side_where_the_order_does_not(told):
+    stands = bent(3, _ANGLES, -1e-4 * _DIRECTION)[_SHUFFLED]
 
-    found = only(turned(3, _ANGLES)[shuffled], true_rad=stands, time_s=shuffled.astype(float))
+    found = only(turned(3, _ANGLES)[_SHUFFLED], true_rad=stands, **told)
 
     assert found.backlash_rad.value == pytest.approx(2e-4, rel=1e-3)
 

@@ -47,6 +47,11 @@ def cycles(n=30, **more):
     return points(joints, repeat_of=repeat_of, **more)
 
 
+def restated(table, **stops):
+    """The table with other columns of its stops."""
+    return replace(table, stops=replace(table.stops, **stops))
+
+
 def values(performance, symbol, component):
     found = (c for c in performance.characteristics if (c.symbol, c.component) == (symbol, component))
     return {c.subject: c.value for c in found}
@@ -63,17 +68,16 @@ def test_a_planned_session_is_found_again_in_its_table():
 
 def test_revisits_may_have_the_number_of_the_configuration_instead():
     table = cycles()
-    numbered = replace(table.stops, config=1 + np.arange(150) % 5, repeat_of=None)
+    numbered = restated(table, config=1 + np.arange(150) % 5, repeat_of=None)
 
-    assert find_cycles(replace(table, stops=numbered)).pose.tolist() == [5, 4, 3, 2, 1] * 30
+    assert find_cycles(numbered).pose.tolist() == [5, 4, 3, 2, 1] * 30
 
 
 def test_times_give_the_order_where_rows_do_not():
     table = cycles()
     shuffled = np.random.default_rng(1).permutation(150)
-    timed = replace(table, stops=replace(table.stops, time_s=np.arange(150.0)))
 
-    found = find_cycles(timed.taken(shuffled))
+    found = find_cycles(restated(table, time_s=np.arange(150.0)).taken(shuffled))
 
     assert found.pose.tolist() == [5, 4, 3, 2, 1] * 30
     assert np.array_equal(shuffled[found.rows], np.arange(150))
@@ -83,9 +87,9 @@ def test_times_give_the_order_where_rows_do_not():
 def test_a_lost_row_changes_no_number(lost):
     table = cycles(31)
     kept = np.delete(np.arange(155), lost)
-    numbered = replace(table.stops, config=1 + np.arange(155) % 5, repeat_of=None)
+    numbered = restated(table, config=1 + np.arange(155) % 5, repeat_of=None)
 
-    found = find_cycles(replace(table, stops=numbered).taken(kept))
+    found = find_cycles(numbered.taken(kept))
 
     assert found.pose.tolist() == np.delete(np.tile([5, 4, 3, 2, 1], 31), lost).tolist()
     assert found.cycle.tolist() == np.delete(np.repeat(np.arange(1, 32), 5), lost).tolist()
@@ -147,7 +151,7 @@ def test_poses_that_were_approached_from_several_sides_are_named(turned, mixed):
     direction = np.tile(1 + 0 * table.nest[:, None], 6)
     direction[turned, 2] = -1
 
-    found = pose_test(model(), replace(table, stops=replace(table.stops, direction=direction)))
+    found = pose_test(model(), restated(table, direction=direction))
 
     assert found.mixed == mixed
     said = english(pose_test_caution(found))
@@ -193,17 +197,16 @@ def test_three_poses_from_three_directions_give_their_variation():
 
 def test_the_number_of_a_direction_tells_where_joints_cannot():
     """Two ways along axes of the base may end with the same motions of all joints."""
-    table = from_three_sides()
-    alike = replace(table.stops, direction=np.ones((270, 6), dtype=np.int64), group=np.repeat([1, 2, 3], 90))
+    ones = np.ones((270, 6), dtype=np.int64)
+    alike = restated(from_three_sides(), direction=ones, group=np.repeat([1, 2, 3], 90))
 
-    found = pose_test(model(), replace(table, stops=alike))
+    found = pose_test(model(), alike)
 
     assert values(found.identified, "vAP", "p") == pytest.approx(dict.fromkeys(("P1", "P2", "P4"), 0.05))
 
 
 def test_a_lost_visit_of_a_direction_is_named():
-    whole = from_three_sides()
-    numbered = replace(whole, stops=replace(whole.stops, group=np.repeat([1, 2, 3], 90)))
+    numbered = restated(from_three_sides(), group=np.repeat([1, 2, 3], 90))
     lost = 90 + 3 * 6 + 1  # P2, cycle 7 of direction 2
 
     found = pose_test(model(), numbered.taken(np.delete(np.arange(270), lost))).identified
@@ -215,10 +218,8 @@ def test_a_lost_visit_of_a_direction_is_named():
 
 
 def test_three_poses_without_directions_are_refused():
-    table = from_three_sides()
-
     with pytest.raises(ConfigurationError, match=r"vAP needs to know from where each visit came"):
-        pose_test(model(), replace(table, stops=replace(table.stops, direction=None)))
+        pose_test(model(), restated(from_three_sides(), direction=None))
 
 
 def of_one_pose(hours):
@@ -235,16 +236,12 @@ def of_one_pose(hours):
     return table
 
 
-def test_one_pose_in_groups_gives_its_drift():
-    found = pose_test(model(), of_one_pose(8)).identified
+def test_one_pose_in_groups_gives_its_drift_and_a_curve_of_every_group():
+    test = pose_test(model(), of_one_pose(8))
 
-    assert values(found, "dAP", "p") == pytest.approx({"P1": 0.32}, abs=1e-9)
-    assert values(found, "dRP", "l") == pytest.approx({"P1": 0.0}, abs=1e-9)
-
-
-def test_the_curve_of_drift_has_every_group():
-    found = pose_test(model(), of_one_pose(8)).drift
-
+    assert values(test.identified, "dAP", "p") == pytest.approx({"P1": 0.32}, abs=1e-9)
+    assert values(test.identified, "dRP", "l") == pytest.approx({"P1": 0.0}, abs=1e-9)
+    found = test.drift
     assert [point.hours for point in found.curve] == pytest.approx(np.arange(33) / 4.0)
     assert [point.moved_mm for point in found.curve] == pytest.approx(0.01 * np.arange(33), abs=1e-9)
     assert [point.accuracy_mm for point in found.curve] == pytest.approx(0.1 + 0.01 * np.arange(33))
@@ -286,10 +283,8 @@ def test_other_tests_have_no_curve():
 
 
 def test_one_pose_alone_is_refused():
-    table = of_one_pose(8)
-
     with pytest.raises(ConfigurationError, match="For AP and RP, measure five poses"):
-        pose_test(model(), replace(table, stops=replace(table.stops, group=None)))
+        pose_test(model(), restated(of_one_pose(8), group=None))
 
 
 @pytest.mark.parametrize("n", [2, 4])

@@ -202,19 +202,13 @@ def test_each_ball_has_its_own_sphere(stops):
     assert [one.of("nominal", taught=True) is None for one in spheres] == [False, True]
 
 
-def test_held_out_lengths_are_the_test_where_a_campaign_has_both(stops):
+@pytest.mark.parametrize(("held_out", "judged"), [(20, 20), (0, 80)])
+def test_held_out_lengths_are_the_test_where_there_are_some(stops, held_out, judged):
     campaign = measured(stops)
 
-    both = replace(campaign, validation_legs=campaign.legs.taken(np.arange(20)))
+    both = replace(campaign, validation_legs=campaign.legs.taken(np.arange(held_out)))
 
-    assert len(only(both).config) == 20
-
-
-def test_a_table_of_held_out_lengths_without_rows_is_none(stops):
-    campaign = measured(stops)
-    nothing = campaign.legs.taken(np.zeros(0, dtype=np.int64))
-
-    assert len(only(replace(campaign, validation_legs=nothing)).config) == len(campaign.legs)
+    assert len(only(both).config) == judged
 
 
 def test_stops_that_are_all_at_one_place_show_no_centre(stops):
