@@ -13,6 +13,11 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.results.corrections import proof_document
 
 
+def nominal():
+    """The model without anything identified."""
+    return replace(model(), parameters=(), effects=(), covariance=np.zeros((0, 0)))
+
+
 def test_a_model_that_is_the_robot_is_proved_and_keeps_its_promise():
     proof = proof_of(model(), visited(model()), SCATTER_MM)
 
@@ -57,9 +62,7 @@ def test_the_document_has_the_errors_of_each_target():
 
 def test_a_controller_that_corrects_itself_is_suspected():
     # what the model foretells is made up for already: the robot is as its nominal model, and corrected twice
-    nominal = replace(model(), parameters=(), effects=(), covariance=np.zeros((0, 0)))
-
-    proof = proof_of(model(), visited(nominal, believed=model()), SCATTER_MM)
+    proof = proof_of(model(), visited(nominal(), believed=model()), SCATTER_MM)
 
     assert not proof.proved
     assert proof.gain < 1.0
@@ -87,9 +90,7 @@ def test_where_there_is_nothing_to_correct_nothing_is_proved():
 
 
 def test_a_model_that_foretells_no_error_shares_none_and_accuses_nobody():
-    nominal = replace(model(), parameters=(), effects=(), covariance=np.zeros((0, 0)))
-
-    proof = proof_of(nominal, visited(nominal), SCATTER_MM)
+    proof = proof_of(nominal(), visited(nominal()), SCATTER_MM)
 
     assert np.isnan(proof.foretold_share)
     assert proof.cautions == ()

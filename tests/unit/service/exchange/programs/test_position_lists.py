@@ -89,11 +89,18 @@ def test_positions_of_a_job_stand_in_their_frames():
     assert target.branch == "1,0,0,0,0,0,0,0"
 
 
-def test_angles_of_a_job_are_a_configuration():
-    target = named(read("row.jbi"), "C00004")
+@pytest.mark.parametrize(
+    ("file", "name", "expected"),
+    [
+        ("row.jbi", "C00004", [10, 20, 30, 40, 50, 60]),
+        ("row.dtx", "jHome[0]", [0, 10, 90.5, 0, -10, 0]),
+    ],
+)
+def test_angles_of_joints_are_a_configuration(file, name, expected):
+    target = named(read(file), name)
 
     degrees = [math.degrees(angle) for angle in target.value.joints_rad]
-    assert degrees == pytest.approx([10, 20, 30, 40, 50, 60])
+    assert degrees == pytest.approx(expected)
 
 
 def test_the_seventh_axis_of_an_arm_is_no_part_of_a_pose():
@@ -109,13 +116,6 @@ def test_points_of_val3_hang_on_frames():
     assert target.branch == "shoulder lefty, elbow epositive, wrist wpositive"
     assert target.work_object.name == "fPart[0]"
     assert target.work_object.pose.position_mm == (100.0, 0.0, 5.0)
-
-
-def test_joints_of_val3_are_configurations():
-    target = named(read("row.dtx"), "jHome[0]")
-
-    degrees = [math.degrees(angle) for angle in target.value.joints_rad]
-    assert degrees == pytest.approx([0, 10, 90.5, 0, -10, 0])
 
 
 def test_frames_that_hang_on_each_other_have_no_place():

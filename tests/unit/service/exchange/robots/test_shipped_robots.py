@@ -9,35 +9,7 @@ from tests.helpers.reference import reference
 from truepose.exchange.errors import UnknownRobotError
 from truepose.exchange.robots.named import list_robots, load_robot, load_robot_with_tool
 
-
-def rot_x(angle):
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1.0]])
-
-
-def rot_z(angle):
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
-
-
-def shift(x, z):
-    frame = np.eye(4)
-    frame[0, 3], frame[2, 3] = x, z
-    return frame
-
-
-def modified_frames(robot, q):
-    frame, frames = np.eye(4), []
-    for row, angle in zip(robot.joints, q, strict=True):
-        turn = rot_z(row.sign * angle + row.theta_offset_rad)
-        frame = frame @ rot_x(row.alpha_rad) @ shift(row.a_mm, 0.0) @ turn @ shift(0.0, row.d_mm)
-        frames.append(frame)
-    return frames
-
-
-UR10 = reference("ur10")["joints"]
-KR6 = reference("kr6r900")
-ARMS = reference("thesis_arms")
+X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def placed(step):
@@ -54,10 +26,25 @@ def turned(axis, angle):
     return frame
 
 
+def modified_frames(robot, q):
+    frame, frames = np.eye(4), []
+    for row, angle in zip(robot.joints, q, strict=True):
+        theta = row.sign * angle + row.theta_offset_rad
+        frame = frame @ turned(X, row.alpha_rad) @ placed((row.a_mm, 0.0, 0.0))
+        frame = frame @ turned(Z, theta) @ placed((0.0, 0.0, row.d_mm))
+        frames.append(frame)
+    return frames
+
+
+UR10 = reference("ur10")["joints"]
+KR6 = reference("kr6r900")
+ARMS = reference("thesis_arms")
+
+
 def standard_frames(q):
     frame, frames = np.eye(4), []
     for (a, d, quarters, _, _), angle in zip(UR10, q, strict=True):
-        frame = frame @ rot_z(angle) @ shift(0.0, d) @ shift(a, 0.0) @ rot_x(quarters * math.pi / 2)
+        frame = frame @ turned(Z, angle) @ placed((a, 0.0, d)) @ turned(X, quarters * math.pi / 2)
         frames.append(frame)
     return frames
 
