@@ -1,8 +1,8 @@
 """Workbooks as spreadsheets write them, made by hand: the reader must not be tested by its own library."""
 
-import io
-import zipfile
 from xml.sax.saxutils import escape
+
+from tests.helpers.exchange.archives import zipped
 
 _MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 _RELATED = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
@@ -68,8 +68,4 @@ def workbook(sheets, target="worksheets/sheet{}.xml", state="visible", head="", 
         "xl/styles.xml": STYLES,
         **(also or {}),
     }
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in parts.items():
-            archive.writestr(name, text if text.startswith("<?xml") else _HEAD + text)
-    return stream.getvalue()
+    return zipped((name, text if text.startswith("<?xml") else _HEAD + text) for name, text in parts.items())

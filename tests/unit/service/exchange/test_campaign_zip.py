@@ -1,23 +1,15 @@
 """A campaign travels as a zip of its folder, and no archive harms the program."""
 
-import io
 import random
 import zipfile
 
 import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
+from tests.helpers.exchange.archives import zipped
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.errors import InputFileError, MissingFileError, UnreadableFileError, UnsafeArchiveError
-
-
-def archive(members, method=zipfile.ZIP_DEFLATED):
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", method) as opened:
-        for name, content in members:
-            opened.writestr(name, content)
-    return stream.getvalue()
 
 
 def members(prefix=""):
@@ -26,7 +18,7 @@ def members(prefix=""):
 
 def claiming(size, content, number=1):
     """An archive with further members whose directory says that they are of another size."""
-    data = archive([*members(), *((f"{k}.bin", content) for k in range(number))])
+    data = zipped([*members(), *((f"{k}.bin", content) for k in range(number))])
     return data.replace(len(content).to_bytes(4, "little"), size.to_bytes(4, "little"))
 
 
@@ -44,7 +36,7 @@ def test_equal_campaigns_give_equal_bytes():
 
 @pytest.mark.parametrize("prefix", ["", "irb120/", "exports/2024/irb120/", "./", "./irb120/"])
 def test_the_folder_may_be_in_the_zip(prefix):
-    campaign = read_campaign_zip(archive([*members(prefix), ("__MACOSX/" + prefix + "campaign.json", "x")]))
+    campaign = read_campaign_zip(zipped([*members(prefix), ("__MACOSX/" + prefix + "campaign.json", "x")]))
 
     assert len(campaign.calibration) == 3
 
@@ -54,14 +46,14 @@ def test_the_folder_may_be_in_the_zip(prefix):
 )
 def test_members_that_lead_out_of_the_archive_are_refused(name):
     with pytest.raises(UnsafeArchiveError, match="leads out of the archive"):
-        read_campaign_zip(archive([*members(), (name, "{}")]), "upload.zip")
+        read_campaign_zip(zipped([*members(), (name, "{}")]), "upload.zip")
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize("name", ["campaign.json", "./campaign.json", ".//campaign.json"])
 def test_a_member_that_is_there_twice_is_refused(name):
     with pytest.raises(UnsafeArchiveError, match=r"campaign.json' is there twice"):
-        read_campaign_zip(archive([*members(), (name, "{}")]))
+        read_campaign_zip(zipped([*members(), (name, "{}")]))
 
 
 def test_an_archive_that_claims_to_be_huge_is_refused_unread():
@@ -84,12 +76,12 @@ def test_a_member_of_a_size_that_no_campaign_has_is_refused(name, blanks, method
     padded = {**sound, name: sound[name] + " " * blanks}
 
     with pytest.raises(UnsafeArchiveError, match=f"'{name}' {sentence}"):
-        read_campaign_zip(archive(padded.items(), method))
+        read_campaign_zip(zipped(padded.items(), method))
 
 
 def test_a_member_that_hides_its_size_is_cut_off():
     big = b"1" * 2**27 + b"1"
-    honest = archive([("campaign.json", members()[0][1]), ("calibration.csv", big)], zipfile.ZIP_STORED)
+    honest = zipped([("campaign.json", members()[0][1]), ("calibration.csv", big)], zipfile.ZIP_STORED)
     size = len(big).to_bytes(4, "little")
     lying = honest.replace(size, (1000).to_bytes(4, "little"))
     assert lying != honest
@@ -107,7 +99,7 @@ def test_a_directory_of_a_million_members_is_refused_unread():
 
 def test_too_many_members_are_refused():
     with pytest.raises(UnsafeArchiveError, match="1001 members"):
-        read_campaign_zip(archive([(f"{k}", "") for k in range(1001)]))
+        read_campaign_zip(zipped([(f"{k}", "") for k in range(1001)]))
 
 
 @pytest.mark.parametrize(
@@ -115,9 +107,9 @@ def test_too_many_members_are_refused():
     [
         (b"", UnreadableFileError, "not a whole zip file"),
         (b"PK\x03\x04 and nothing more", UnreadableFileError, "not a whole zip file"),
-        (archive(members())[:-200], UnreadableFileError, "not a whole zip file"),
-        (archive([("readme.txt", "hello")]), MissingFileError, "no campaign.json in the archive"),
-        (archive([*members("a/"), *members("b/")]), UnreadableFileError, r"several campaigns .*\(a, b\)"),
+        (zipped(members())[:-200], UnreadableFileError, "not a whole zip file"),
+        (zipped([("readme.txt", "hello")]), MissingFileError, "no campaign.json in the archive"),
+        (zipped([*members("a/"), *members("b/")]), UnreadableFileError, r"several campaigns .*\(a, b\)"),
     ],
     ids=["nothing", "a beginning", "cut off", "no campaign", "two campaigns"],
 )
@@ -129,7 +121,7 @@ def test_what_is_no_campaign_is_refused(data, kind, sentence):
 
 
 def test_damaged_content_is_refused():
-    data = bytearray(archive(members()))
+    data = bytearray(zipped(members()))
     data[60] ^= 0xFF  # inside the compressed campaign.json
 
     with pytest.raises(UnreadableFileError, match="not a whole zip file"):
@@ -137,7 +129,7 @@ def test_damaged_content_is_refused():
 
 
 def test_a_locked_archive_is_refused():
-    data = archive(members())
+    data = zipped(members())
     locked = data.replace(b"PK\x01\x02\x14\x03\x14\x00\x00", b"PK\x01\x02\x14\x03\x14\x00\x01")
     assert locked != data  # bit 0 of the flags: encrypted
 
@@ -149,7 +141,7 @@ def test_a_file_named_and_not_there_is_missing():
     with pytest.raises(
         MissingFileError, match=r"campaign.json, line \d+, key files.calibration: file calibration.csv"
     ):
-        read_campaign_zip(archive(members()[:1]))
+        read_campaign_zip(zipped(members()[:1]))
 
 
 METHODS = [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
@@ -157,7 +149,7 @@ METHODS = [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.
 
 @pytest.mark.parametrize("method", METHODS)
 def test_damaged_content_of_every_packing_is_one_sentence(method):
-    data = bytearray(archive([("campaign.json", "{}" * 500)], method))
+    data = bytearray(zipped([("campaign.json", "{}" * 500)], method))
     begin = data.index(b"campaign.json") + len("campaign.json")
     data[begin + 4 : begin + 16] = b"\xff" * 12
 
@@ -167,7 +159,7 @@ def test_damaged_content_of_every_packing_is_one_sentence(method):
 
 
 def test_a_name_that_is_no_text_is_one_sentence():
-    data = archive([*members(), ("caf\u00e9.csv", "x")]).replace("caf\u00e9".encode(), b"caf\xff\xfe")
+    data = zipped([*members(), ("caf\u00e9.csv", "x")]).replace("caf\u00e9".encode(), b"caf\xff\xfe")
 
     with pytest.raises(UnreadableFileError, match="by bytes that are no text"):
         read_campaign_zip(data, "upload.zip")
@@ -175,7 +167,7 @@ def test_a_name_that_is_no_text_is_one_sentence():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_no_byte_that_is_changed_ends_in_a_traceback(method):
-    whole = archive(members(), method)
+    whole = zipped(members(), method)
     draw = random.Random(1)
     refused = 0
     for _ in range(100):

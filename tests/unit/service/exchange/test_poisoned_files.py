@@ -18,6 +18,7 @@ from tests.helpers.domain.builders import (
     make_contact_campaign,
     make_model,
 )
+from tests.helpers.exchange.archives import zipped
 from tests.helpers.exchange.poisons import poisoned
 from tests.helpers.exchange.robot_programs import PROGRAMS, read
 from tests.helpers.exchange.workbooks import workbook
@@ -61,12 +62,7 @@ def folder(load, given):
     return load(loaded)
 
 
-def zipped(given):
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, data in given.items():
-            archive.writestr(name, data)
-    return stream.getvalue()
+stored = functools.partial(zipped, method=zipfile.ZIP_STORED)
 
 
 def parts_of(book):
@@ -97,7 +93,10 @@ READERS = {
     "campaign": (of_campaign(make_campaign()), lambda given, _: folder(campaign_from, given)),
     "legs": (of_campaign(make_ballbar_campaign()), lambda given, _: folder(campaign_from, given)),
     "contacts": (of_campaign(make_contact_campaign()), lambda given, _: folder(campaign_from, given)),
-    "zip": (of_campaign(make_campaign()), lambda given, _: read_campaign_zip(zipped(given))),
+    "zip": (
+        of_campaign(make_campaign()),
+        lambda given, _: read_campaign_zip(stored(given.items())),
+    ),
     "model": (
         {"a.json": json.dumps(MODEL, indent=1).encode()},
         lambda given, _: model_file_from_text(given["a.json"], "a.json", accept_edited=True),
@@ -134,10 +133,10 @@ READERS = {
         functools.partial(on_disk, joined),
     ),
     "table": ({"a.csv": plain(3)}, lambda given, _: read_imported_files(given, CHOICES)),
-    "workbook": (BOOK, lambda given, _: read_imported_files({"a.xlsx": zipped(given)}, CHOICES)),
+    "workbook": (BOOK, lambda given, _: read_imported_files({"a.xlsx": stored(given.items())}, CHOICES)),
     "archive": (
         of_campaign(make_campaign()),
-        lambda given, _: read_imported_files({"a.zip": zipped(given)}, Choices(undated=True)),
+        lambda given, _: read_imported_files({"a.zip": stored(given.items())}, Choices(undated=True)),
     ),
     "urdf": ({"a.urdf": BENT.encode()}, lambda given, _: urdf_from_text("a.urdf", given["a.urdf"])),
     "ros": (

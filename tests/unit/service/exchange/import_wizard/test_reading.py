@@ -1,9 +1,7 @@
 """What somebody brought, read as far as it goes: the campaign, the question, or the first wrong line."""
 
-import io
 import json
 import time
-import zipfile
 from dataclasses import replace
 from datetime import date
 
@@ -12,6 +10,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.domain.robots import SEVEN_AXES
+from tests.helpers.exchange.archives import zipped
 from tests.helpers.identification.synthetic import leg_campaign
 from tests.helpers.machine import TIME_ZONES
 from tests.unit.service.exchange.import_wizard.tables import plain, readings, table
@@ -40,6 +39,15 @@ def whole(joints, nest, places, names=JOINTS):
     """A table without units for its places, whose uncertainty is said."""
     rows = np.column_stack([joints, nest, places, np.full(len(joints), 0.02)])
     return table([*names, "nest", *XYZ, "u [mm]"], rows)
+
+
+def with_cell(line, at, cell):
+    """The plain table with another text in one cell."""
+    lines = plain().decode().splitlines()
+    cells = lines[line - 1].split(",")
+    cells[at] = cell
+    lines[line - 1] = ",".join(cells)
+    return "\n".join(lines).encode()
 
 
 def asked(reading):
@@ -226,11 +234,7 @@ def test_lengths_are_read_and_their_robot_is_asked_for():
 
 
 def test_the_first_wrong_cell_is_shown_with_the_lines_around_it():
-    lines = plain().decode().splitlines()
-    cells = lines[14].split(",")
-    lines[14] = ",".join([*cells[:9], "12.3x", *cells[10:]])
-
-    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": with_cell(15, 9, "12.3x")}, DAY).understood.fault
 
     assert (fault.file, fault.line, fault.column) == ("mine.csv", 15, 9)
     assert "'12.3x' is not a number" in fault.sentence
@@ -273,10 +277,7 @@ def test_a_wrong_line_is_corrected_or_left_out_and_the_rest_goes_on(edit):
     ],
 )
 def test_a_nest_that_nobody_has_is_shown_in_its_line_and_costs_nothing(nest, said):
-    lines = plain().decode().splitlines()
-    lines[3] = ",".join([*lines[3].split(",")[:7], nest, *lines[3].split(",")[8:]])
-
-    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, ROBOT).understood.fault
+    fault = read_imported_files({"mine.csv": with_cell(4, 7, nest)}, ROBOT).understood.fault
 
     assert (fault.line, fault.column) == (4, 7)
     assert said in fault.sentence
@@ -402,22 +403,15 @@ def test_the_example_says_of_itself_that_it_is_simulated():
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "C:/windows/x.csv", "a/../../b.csv"])
 def test_an_archive_that_leads_out_of_itself_is_refused(name):
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        archive.writestr(name, plain())
-
     with pytest.raises(UnsafeArchiveError):
-        read_imported_files({"mine.zip": stream.getvalue()}, DAY)
+        read_imported_files({"mine.zip": zipped([(name, plain())])}, DAY)
 
 
 def test_of_many_files_of_one_name_no_more_are_unpacked_than_are_read():
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for k in range(900):
-            archive.writestr(f"{k}/points.csv", b"1")
+    archive = zipped([(f"{k}/points.csv", b"1") for k in range(900)])
 
     with pytest.raises(UnsafeArchiveError, match="upload: more than the 200 files"):
-        read_imported_files({f"{k}.zip": stream.getvalue() for k in range(5)}, DAY)
+        read_imported_files({f"{k}.zip": archive for k in range(5)}, DAY)
 
 
 def test_archives_that_are_each_within_their_limits_are_refused_together(monkeypatch):
@@ -428,20 +422,15 @@ def test_archives_that_are_each_within_their_limits_are_refused_together(monkeyp
 
 
 def test_an_archive_that_expands_beyond_measure_is_refused():
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("mine.csv", b"0" * (8 * 2**20))
+    archive = zipped([("mine.csv", b"0" * (8 * 2**20))])
 
     with pytest.raises(UnsafeArchiveError, match="expands"):
-        read_imported_files({"mine.zip": stream.getvalue()}, DAY)
+        read_imported_files({"mine.zip": archive}, DAY)
 
 
 @pytest.mark.parametrize("cell", ["=1+1", "@SUM(A1)", "<script>alert(1)</script>", "1e999", "0x1F", "1_000"])
 def test_a_formula_or_a_script_in_a_cell_is_no_number(cell):
-    lines = plain().decode().splitlines()
-    lines[3] = ",".join([*lines[3].split(",")[:8], cell, *lines[3].split(",")[9:]])
-
-    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": with_cell(4, 8, cell)}, DAY).understood.fault
 
     assert (fault.line, fault.column) == (4, 8)
 
