@@ -1,6 +1,7 @@
 """Lengths whose rows tell everything that an effect may depend on, and what a diagnosis sees of them."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -26,7 +27,16 @@ def telling_legs(**changes):
     return replace(campaign, legs=replace(legs, **(told | changes)), ballbar_nominal_mm=300.0)
 
 
+def leg_problem(campaign=None):
+    """The problem of a campaign of legs with the geometry; that of the telling legs is placed once."""
+    return _usual_problem() if campaign is None else build(campaign, LEG_START)
+
+
+@cache
+def _usual_problem():
+    return build(telling_legs(), LEG_START)
+
+
 def leg_scene(campaign=None, **changes):
     """The scene of a campaign of legs that was fitted with the geometry."""
-    campaign = telling_legs() if campaign is None else campaign
-    return scene_of(build(campaign, LEG_START), **changes)
+    return scene_of(leg_problem(campaign), **changes)

@@ -10,12 +10,17 @@ from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.diagnosis.baseline_fit import scene_at
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest
-from truepose.identification.model.evaluation import evaluate
+from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 
 TRACKER_MM = (2600.0, -700.0, 500.0)
 FIXED_MM = ((600.0, 500.0, 0.0), (600.0, -500.0, 0.0), (-350.0, 500.0, 0.0))
 START = ("base", "geometry", "compliance")
+# Of causes that the usual start has as parameters already.
+_ANOTHER_START = {
+    "axis_parallelism": ("base", "geometry_dhm", "compliance"),
+    "compliance": ("base", "geometry"),
+}
 ORIGIN_S = 1000.0
 _CADENCE_S = 30.0
 
@@ -51,6 +56,22 @@ def without_masses(robot=IRB_120):
     return replace(robot, masses=())
 
 
+def start_for(cause):
+    """Effects of a model that lacks a cause."""
+    return _ANOTHER_START.get(cause, START)
+
+
+@cache
+def telling_problem(effects=START):
+    """The problem of the telling campaign with some effects, placed once."""
+    return build(telling_campaign(), effects)
+
+
+def rows_at_start(problem):
+    """What effects are told of the readings of a problem where its fit starts."""
+    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+
+
 def scene_of(problem, values=None, campaign=None, **changes):
     """What a diagnosis would look at after a fit that ended at `values`."""
     values = problem.start if values is None else values
@@ -69,5 +90,4 @@ def telling_scene(effects=START, campaign=None, **changes):
 
 @cache
 def _usual_scene(effects):
-    campaign = telling_campaign()
-    return scene_of(build(campaign, effects), campaign=campaign)
+    return scene_of(telling_problem(effects), campaign=telling_campaign())

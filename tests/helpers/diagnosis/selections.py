@@ -8,6 +8,7 @@ import numpy as np
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.baseline_fit import Start, fit_baseline, scene_of
+from truepose.diagnosis.diagnose import propose_candidates
 from truepose.diagnosis.evidence.residual_structure import prepared_families, residual_dependence
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.selection import Selection, chosen, refit_picks, select
@@ -37,7 +38,7 @@ def planted(effects, campaign=None, n=80, seed=3, noise_mm=NOISE_MM, present=PRE
 def make_start(effects, present=PRESENT, *, campaign=None, n=80, seed=3, noise_mm=NOISE_MM):
     """The present model fitted to what was planted; many tests begin alike, and a start never changes."""
     if campaign is not None:
-        return _start_on(planted(effects, campaign, n, seed, noise_mm, present), present)
+        return started(planted(effects, campaign, n, seed, noise_mm, present), present)
     parameters = tuple((effect, tuple(values.items())) for effect, values in effects.items())
     return _usual_start(parameters, present, n, seed, noise_mm)
 
@@ -45,13 +46,28 @@ def make_start(effects, present=PRESENT, *, campaign=None, n=80, seed=3, noise_m
 @cache
 def _usual_start(parameters, present, n, seed, noise_mm):
     effects = {effect: dict(values) for effect, values in parameters}
-    return _start_on(planted(effects, None, n, seed, noise_mm, present), present)
+    return started(planted(effects, None, n, seed, noise_mm, present), present)
 
 
-def _start_on(campaign, present):
+def started(campaign, present=PRESENT):
+    """The present model fitted to a campaign as it stands."""
     start = fit_baseline(campaign, present, relabel=False)
-    assert isinstance(start, Start)
+    assert isinstance(start, Start), start
     return start
+
+
+def everything(start):
+    """What a diagnosis proposes of a fit: every way in which every cause may be present."""
+    return lambda fit: propose_candidates(scene_of(start.problem, fit), ())
+
+
+def those_of(start, *effects):
+    """What a diagnosis proposes of a fit where it looks for nothing but these effects."""
+    return lambda fit: tuple(
+        candidate
+        for effect in effects
+        for candidate in CAUSES[effect].candidates(scene_of(start.problem, fit))
+    )
 
 
 def make_selected(start, picked, rivals=()):

@@ -7,25 +7,22 @@ import pytest
 
 from tests.helpers.diagnosis.leg_scenes import (
     CADENCE_S,
-    LEG_START,
     PER_INITIALISATION,
     N,
+    leg_problem,
     leg_scene,
     telling_legs,
 )
-from tests.helpers.diagnosis.point_scenes import telling_scene
+from tests.helpers.diagnosis.point_scenes import rows_at_start, telling_scene
 from tests.helpers.identification.synthetic import leg_campaign
 from truepose.effects.causes import FittedCause
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
-from truepose.identification.model.evaluation import evaluate, rows_of
-from truepose.identification.problem.build import build
 from truepose.messages.catalogue import english
 
 
 def rows(campaign=None):
-    problem = build(telling_legs() if campaign is None else campaign, LEG_START)
-    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    return rows_at_start(leg_problem(campaign))
 
 
 @pytest.mark.parametrize("cause", ["ballbar_zero", "fixture_shift"])

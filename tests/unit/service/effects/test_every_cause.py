@@ -5,30 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.leg_scenes import LEG_START, leg_scene, telling_legs
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.leg_scenes import leg_problem, leg_scene
+from tests.helpers.diagnosis.point_scenes import rows_at_start, start_for, telling_problem, telling_scene
 from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES
-from truepose.identification.model.evaluation import evaluate, rows_of
-from truepose.identification.problem.build import build
 
 OF_RESIDUALS = ("label_swap", "outliers")  # whose candidates are found among the residuals of a fit
 OF_LENGTHS = ("ballbar_scale", "ballbar_zero", "fixture_shift")
-ANOTHER_START = {
-    "axis_parallelism": ("base", "geometry_dhm", "compliance"),
-    "compliance": ("base", "geometry"),
-}
 
 
 def scene_for(cause):
-    return leg_scene() if cause in OF_LENGTHS else telling_scene(ANOTHER_START.get(cause, START))
+    return leg_scene() if cause in OF_LENGTHS else telling_scene(start_for(cause))
 
 
 def rows_for(cause):
-    of_lengths = cause in OF_LENGTHS
-    start = LEG_START if of_lengths else ANOTHER_START.get(cause, START)
-    problem = build(telling_legs() if of_lengths else telling_campaign(), start)
-    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    return rows_at_start(leg_problem() if cause in OF_LENGTHS else telling_problem(start_for(cause)))
 
 
 @pytest.mark.parametrize("cause", [cause for cause in CAUSES if cause not in OF_RESIDUALS])

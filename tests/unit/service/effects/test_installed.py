@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import rows_at_start, telling_problem, telling_scene
 from truepose.domain.errors import ConfigurationError, InstalledCauseError
 from truepose.domain.identification import NotIdentifiable
 from truepose.effects.arm.joint_gain import JointGain
@@ -29,8 +29,6 @@ from truepose.effects.ports import (
 from truepose.effects.registry import EFFECTS, is_unbounded_in_time
 from truepose.effects.unclassified.cause import OWN
 from truepose.effects.unclassified.kinds import once
-from truepose.identification.model.evaluation import evaluate, rows_of
-from truepose.identification.problem.build import build
 
 CELL = Signature("{subject}", "angle of {subject}", "line")
 
@@ -121,11 +119,10 @@ class Shy(Acme):
         raise RuntimeError("no licence")
 
 
-def telling_problem():
-    """The setting and the rows of a campaign that tells everything."""
-    problem = build(telling_campaign(), ("base", "geometry"))
-    state = evaluate(problem.structure, problem.start, problem.blocks[0].targets)
-    return problem.setting, rows_of(state)
+def setting_and_rows():
+    """Of a campaign that tells everything."""
+    problem = telling_problem(("base", "geometry"))
+    return problem.setting, rows_at_start(problem)
 
 
 @pytest.fixture
@@ -163,7 +160,7 @@ def test_what_is_brought_tells_its_traits_and_no_others(brought):
 @pytest.mark.parametrize("thing", [Able(), Wrapped(Able())])
 def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thing):
     guarded = brought(acme=thing).effects["acme"]
-    setting, rows = telling_problem()
+    setting, rows = setting_and_rows()
 
     assert isinstance(guarded, Drifting)
     assert guarded.goes_on(("acme_1",))
@@ -184,7 +181,7 @@ def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thi
 
 def test_what_lacks_an_ability_does_nothing_of_the_kind(brought):
     guarded = brought(acme=Acme()).effects["acme"]
-    setting, rows = telling_problem()
+    setting, rows = setting_and_rows()
     names, values = ("gain_1", "gain_3"), np.array([1e-3, -2e-3])
 
     moved = guarded.sums(names, values, rows)

@@ -5,25 +5,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
+from tests.helpers.diagnosis.point_scenes import (
+    rows_at_start,
+    start_for,
+    telling_campaign,
+    telling_problem,
+    telling_scene,
+    without_masses,
+)
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow
 from truepose.effects.causes import FittedCause
 from truepose.effects.registry import CAUSES
 from truepose.effects.waves import orders
-from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
 from truepose.messages.catalogue import english
 
-ANOTHER_START = {
-    "axis_parallelism": ("base", "geometry_dhm", "compliance"),
-    "compliance": ("base", "geometry"),
-}
-
 
 def scene_for(cause, campaign=None, **changes):
-    return telling_scene(ANOTHER_START.get(cause, START), campaign, **changes)
+    return telling_scene(start_for(cause), campaign, **changes)
 
 
 def with_stops(scene, **columns):
@@ -210,8 +212,7 @@ def test_without_masses_a_spring_is_all_its_products_and_its_size_is_the_deflect
     campaign = telling_campaign(robot=without_masses())
     scene = telling_scene(("base", "geometry"), campaign)
     candidate = next(c for c in CAUSES["compliance"].candidates(scene) if c.subject == "joint 5")
-    problem = build(campaign, ("base", "geometry"))
-    rows = rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    rows = rows_at_start(build(campaign, ("base", "geometry")))
     values = np.full(len(candidate.names), 1e-6)
     deflection = sum(term.weight * 1e-6 for term in CAUSES["compliance"].terms(candidate.names, rows))
 
@@ -225,8 +226,7 @@ def test_without_masses_a_spring_is_all_its_products_and_its_size_is_the_deflect
 
 
 def test_a_spring_that_the_model_lacks_is_tried_with_the_weight_that_would_wind_it_up():
-    problem = build(telling_campaign(), ("base", "geometry"))
-    rows = rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    rows = rows_at_start(telling_problem(("base", "geometry")))
 
     (term,) = CAUSES["compliance"].terms(("c_3",), rows)
 
@@ -246,8 +246,7 @@ def test_a_spring_says_how_far_it_lets_its_joint_go():
 
 def test_a_gear_is_softer_near_zero_torque_and_has_its_own_stiffness_far_beyond():
     scene = scene_for("compliance_nonlinear")
-    problem = build(telling_campaign(), START)
-    rows = rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    rows = rows_at_start(telling_problem())
     torque = np.zeros((24, 6))
     torque[:, 2] = np.linspace(-1e5, 1e5, 24)
     torque[11, 2] = 1.0

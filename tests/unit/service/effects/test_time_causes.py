@@ -5,13 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import (
+    ORIGIN_S,
+    START,
+    rows_at_start,
+    telling_campaign,
+    telling_problem,
+    telling_scene,
+)
 from truepose.domain.campaign import Stops
 from truepose.effects.causes import FittedCause
 from truepose.effects.motions import Motion, Widths, gaps, motion_specs
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
-from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.messages.catalogue import english
 
@@ -32,8 +38,7 @@ def with_times(campaign, time_s):
 
 
 def rows(campaign=None):
-    problem = build(telling_campaign() if campaign is None else campaign, START)
-    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+    return rows_at_start(telling_problem() if campaign is None else build(campaign, START))
 
 
 def six(prefix, vector, spread=1e-6):

@@ -5,7 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import (
+    START,
+    rows_at_start,
+    telling_campaign,
+    telling_problem,
+    telling_scene,
+)
 from tests.helpers.diagnosis.seats import GROUPS, SHIFT_MM, TURN_RAD, WIDTHS, posterior
 from truepose.domain.robot import Nest
 from truepose.effects.causes import FittedCause
@@ -14,7 +20,7 @@ from truepose.effects.ports import PortKind
 from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
 from truepose.effects.setup.tool_reseating import deviations
-from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build
 from truepose.messages.catalogue import english
 
@@ -30,11 +36,6 @@ def mounted(attachment):
     readings = campaign.calibration
     stops = replace(readings.stops, attachment=attachment)
     return replace(campaign, calibration=replace(readings, stops=stops))
-
-
-def rows(campaign):
-    problem = build(campaign, START)
-    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
 
 
 def share(value, uncertainty):
@@ -113,7 +114,9 @@ def test_all_mountings_together_are_one_candidate():
 
 
 def test_a_seat_acts_in_its_own_mounting_alone():
-    here, elsewhere = CAUSES["tool_reseating"].terms(("seat_3_x", "seat_9_rz"), rows(telling_campaign()))
+    here, elsewhere = CAUSES["tool_reseating"].terms(
+        ("seat_3_x", "seat_9_rz"), rows_at_start(telling_problem())
+    )
 
     assert here.weight.tolist() == [0.0] * 12 + [1.0] * 6 + [0.0] * 6
     assert not elsewhere.weight.any()
@@ -180,7 +183,7 @@ def test_what_is_wrong_with_single_readings_is_no_parameter(cause):
 
     assert CAUSES[cause].specs(scene.setting) == ()
     assert CAUSES[cause].candidates(scene) == ()
-    assert CAUSES[cause].terms((), rows(telling_campaign())) == []
+    assert CAUSES[cause].terms((), rows_at_start(telling_problem())) == []
 
 
 def test_a_scale_is_seen_on_fixed_nests_or_on_a_second_certified_nest():

@@ -10,7 +10,9 @@ from tests.helpers.diagnosis.point_scenes import (
     ORIGIN_S,
     START,
     TRACKER_MM,
+    rows_at_start,
     telling_campaign,
+    telling_problem,
     telling_scene,
     without_masses,
 )
@@ -37,26 +39,25 @@ def kinds_of(candidates):
     return {key_of(candidate.names[0]).kind for candidate in candidates}
 
 
-def candidate_of(kind, scene=None):
-    """The last cell of a kind: places with high numbers are more telling than the first."""
-    found = UNNAMED.candidates(telling_scene() if scene is None else scene)
-    return [candidate for candidate in found if key_of(candidate.names[0]).kind == kind][-1]
-
-
 @cache
-def usual_problem():
-    return build(telling_campaign(), START)
+def usual_candidates():
+    return UNNAMED.candidates(telling_scene())
+
+
+def candidate_of(kind):
+    """The last cell of a kind: places with high numbers are more telling than the first."""
+    return [candidate for candidate in usual_candidates() if key_of(candidate.names[0]).kind == kind][-1]
 
 
 def state_with(specs, values):
-    problem = usual_problem()
+    problem = telling_problem()
     structure = problem.structure.extended("unnamed", specs)
     return evaluate(structure, np.concatenate([problem.start, values]), problem.blocks[0].targets)
 
 
 def described(names, values, spread=1e-9):
     fitted = FittedCause(tuple(names), np.array(values, dtype=float), spread**2 * np.eye(len(values)))
-    subject = next(c.subject for c in UNNAMED.candidates(telling_scene()) if c.names[0] == names[0])
+    subject = next(c.subject for c in usual_candidates() if c.names[0] == names[0])
     return UNNAMED.describe(subject, fitted, telling_scene())
 
 
@@ -86,7 +87,7 @@ def test_derivatives_agree_with_differences_of_the_evaluated_model(kind):
     ],
 )
 def test_what_follows_an_angle_follows_its_waves_or_a_share_of_it(name, port, weight):
-    rows = rows_of(state_with((), []))
+    rows = rows_at_start(telling_problem())
 
     (term,) = UNNAMED.terms((name,), rows)
 
@@ -97,7 +98,7 @@ def test_what_follows_an_angle_follows_its_waves_or_a_share_of_it(name, port, we
 def test_parallel_axes_that_point_against_each_other_turn_a_link_by_the_difference_of_their_angles():
     joints = list(IRB_120.joints)
     joints[2] = replace(joints[2], alpha_rad=np.pi)
-    rows = rows_of(state_with((), []))._replace(robot=replace(IRB_120, joints=tuple(joints)))
+    rows = rows_at_start(telling_problem())._replace(robot=replace(IRB_120, joints=tuple(joints)))
 
     (term,) = UNNAMED.terms(("cell_pair_3-2_1_sin",), rows)
 
@@ -105,7 +106,7 @@ def test_parallel_axes_that_point_against_each_other_turn_a_link_by_the_differen
 
 
 def test_names_lead_back_to_the_cell_and_are_given_once():
-    candidates = UNNAMED.candidates(telling_scene())
+    candidates = usual_candidates()
     names = [name for candidate in candidates for name in candidate.names]
 
     assert len(set(names)) == len(names)
@@ -154,7 +155,7 @@ def test_a_flange_that_nothing_hangs_on_shows_no_mount():
 
 
 def test_the_last_bearing_is_told_by_the_flange_alone():
-    found = UNNAMED.candidates(telling_scene())
+    found = usual_candidates()
 
     assert [c.subject for c in found if key_of(c.names[0]).kind == "tilt"] == [
         f"link {joint}, load, line" for joint in (2, 3, 4, 5)
@@ -218,14 +219,14 @@ def test_moves_that_are_not_known_do_not_hide_a_joint_that_moves_far():
 
 
 def test_a_joint_that_lags_stays_behind_by_a_share_of_its_move():
-    specs = [spec for c in UNNAMED.candidates(telling_scene()) for spec in c.specs if "lag_2" in spec.name]
+    specs = [spec for c in usual_candidates() for spec in c.specs if "lag_2" in spec.name]
     stops = telling_campaign().calibration.stops
     behind = stops.joints_rad.copy()
     behind[1:, 1] -= 1e-4 * np.diff(stops.joints_rad[:, 1])
 
     lagging = state_with(specs, np.array([1e-4]))
 
-    problem = usual_problem()
+    problem = telling_problem()
     held = replace(problem.blocks[0].targets, stops=replace(stops, joints_rad=behind))
     assert lagging.position_mm == pytest.approx(
         evaluate(problem.structure, problem.start, held).position_mm, abs=1e-6
@@ -244,7 +245,7 @@ def test_a_row_that_tells_nothing_leaves_every_cell_but_those_of_angles_and_load
 
 
 def test_a_parallelogram_joins_parallel_axes_only():
-    found = [c for c in UNNAMED.candidates(telling_scene()) if key_of(c.names[0]).kind == "pair"]
+    found = [c for c in usual_candidates() if key_of(c.names[0]).kind == "pair"]
 
     assert {c.subject for c in found} == {
         "joint 2, angles of joints 2 and 3, wave",
@@ -253,7 +254,7 @@ def test_a_parallelogram_joins_parallel_axes_only():
 
 
 def test_links_that_have_a_length_grow_and_no_others():
-    found = [c.subject for c in UNNAMED.candidates(telling_scene()) if key_of(c.names[0]).kind == "stretch"]
+    found = [c.subject for c in usual_candidates() if key_of(c.names[0]).kind == "stretch"]
 
     lengths = [abs(row.a_mm) + abs(row.d_mm) for row in IRB_120.joints]
     assert lengths == [290.0, 0.0, 270.0, 372.0, 0.0, 72.0]
@@ -393,7 +394,7 @@ def test_a_model_asks_of_rows_what_its_cells_depend_on(kind, needs):
 
 def test_friction_that_follows_the_load_is_loaded_also_where_the_model_has_no_spring():
     specs = candidate_of("rub").specs
-    problem = build(telling_campaign(), ("base", "geometry"))
+    problem = telling_problem(("base", "geometry"))
     structure, values = problem.structure.extended("unnamed", specs), np.append(problem.start, 1e-7)
 
     state = evaluate(structure, values, problem.blocks[0].targets)

@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_problem, telling_scene
 from tests.helpers.domain.robots import IRB_120
 from truepose.effects.causes import FittedCause
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.effects.waves import spectrum
 from truepose.identification.model.evaluation import evaluate
-from truepose.identification.problem.build import build
 
 
 def fitted(*names_and_values, spread=0.0):
@@ -92,7 +91,7 @@ def test_waves_turn_their_joint_by_the_sum_of_sines_and_cosines(count):
         for order in range(1, count + 1)
         for part in ("sin", "cos")
     }
-    problem = build(campaign, ("base",))
+    problem = telling_problem(("base",))
     specs = tuple(ParameterSpec(name, "rad", 0.0, 1.0) for name in values)
     structure = problem.structure.extended("joint_harmonics", specs)
     full = np.concatenate([problem.start, list(values.values())])

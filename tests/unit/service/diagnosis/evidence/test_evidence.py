@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.diagnosis.selections import make_start, planted, select_from
+from tests.helpers.diagnosis.selections import everything, make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
-from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import propose_candidates
 from truepose.diagnosis.evidence.signature_functions import signatures_in_data
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.significance import most_likely
@@ -21,10 +19,6 @@ WAVES = {
         for part in ("sin", "cos")
     }
 }
-
-
-def everything(start):
-    return lambda fit: propose_candidates(scene_of(start.problem, fit), ())
 
 
 def pool_of(start):

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import make_start, planted, select_from
+from tests.helpers.diagnosis.selections import make_start, planted, select_from, started, those_of
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
-from truepose.diagnosis.baseline_fit import fit_baseline, scene_of
-from truepose.diagnosis.diagnose import propose_candidates as every_cause
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
 from truepose.diagnosis.screening.candidates import pool_candidates
@@ -89,12 +87,16 @@ def selected(start):
     return select_from(start, propose_for(start))
 
 
+@pytest.fixture(scope="module")
+def judged_elsewhere():
+    """A start with forty validation readings of configurations of their own, and what was picked."""
+    unseen = planted(GAIN_4, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11).calibration
+    start = started(replace(planted(GAIN_4), validation=unseen), START)
+    return start, select_from(start, propose_for(start))
+
+
 def propose_for(start):
-    return lambda fitted: tuple(
-        one
-        for one in every_cause(scene_of(start.problem, fitted), ())
-        if one.effect in {"joint_gain", "backlash"}
-    )
+    return those_of(start, "backlash", "joint_gain")
 
 
 def groups_of(selected):
@@ -198,12 +200,9 @@ def test_a_model_as_found_errs_without_a_cause_as_a_fit_without_it(start, select
     assert np.abs(errors.after[out]).mean() < 0.5 * np.abs(errors.before[out]).mean()
 
 
-def test_validation_readings_judge_in_the_end_where_there_are_some():
-    joints = configurations(40, seed=9)
-    unseen = planted(GAIN_4, campaign=telling_campaign(40, joints_rad=joints), seed=11).calibration
-    campaign = replace(planted(GAIN_4), validation=unseen)
-    start = _started(campaign)
-    selected = select_from(start, propose_for(start))
+def test_validation_readings_judge_in_the_end_where_there_are_some(judged_elsewhere):
+    start, selected = judged_elsewhere
+    campaign = start.campaign
 
     judged = on_validation(campaign, (start.fit, selected.fit), selected, groups_of(selected))
 
@@ -225,14 +224,11 @@ def test_validation_readings_judge_in_the_end_where_there_are_some():
     assert judged.described is None
 
 
-def test_what_is_described_is_judged_beside_what_was_found():
-    unseen = planted(GAIN_4, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11).calibration
-    campaign = replace(planted(GAIN_4), validation=unseen)
-    start = _started(campaign)
-    selected = select_from(start, propose_for(start))
+def test_what_is_described_is_judged_beside_what_was_found(judged_elsewhere):
+    start, selected = judged_elsewhere
 
     # the start in the place of a description: it gives away what was found
-    judged = on_validation(campaign, (start.fit, start.fit), selected, groups_of(selected))
+    judged = on_validation(start.campaign, (start.fit, start.fit), selected, groups_of(selected))
 
     assert judged is not None
     assert judged.described is not None
@@ -243,9 +239,3 @@ def test_what_is_described_is_judged_beside_what_was_found():
 
 def test_without_validation_readings_there_is_nothing_to_ask_in_the_end(start, selected):
     assert on_validation(start.campaign, (start.fit, selected.fit), selected, groups_of(selected)) is None
-
-
-def _started(campaign):
-    found = fit_baseline(campaign, START, relabel=False)
-    assert not isinstance(found, str)
-    return found

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
+from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted, started
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
-from truepose.diagnosis.baseline_fit import fit_baseline
 from truepose.diagnosis.evidence.residual_structure import Relation
 
 # The median of 80 squared radii has a relative standard deviation of 0.12, its root half of that.
@@ -101,14 +100,8 @@ def test_heavy_tails_are_noise():
     points = quiet.calibration
     noisy = replace(points, position_mm=points.position_mm + NOISE_MM * heavy)
 
-    left = left_beside(_started(replace(quiet, calibration=noisy)))
+    left = left_beside(started(replace(quiet, calibration=noisy), START))
 
     assert left.tails.degrees_of_freedom is not None
     assert not left.tails.bad.any()
     assert left.depends == ()
-
-
-def _started(campaign):
-    found = fit_baseline(campaign, START, relabel=False)
-    assert not isinstance(found, str)
-    return found

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.selections import make_start, select_from
-from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import propose_candidates
+from tests.helpers.diagnosis.selections import everything, make_start, select_from, those_of
 from truepose.diagnosis.evidence.sensitivities import CompleteModel, effect_of, worth_of
 from truepose.diagnosis.evidence.signature_functions import signatures_in_data
 from truepose.diagnosis.screening.candidates import pool_candidates
@@ -24,16 +22,14 @@ def start():
 @pytest.fixture(scope="module")
 def selected(start):
     """Only the gain of joint 4 could be picked."""
-    return select_from(start, lambda fit: [one for one in cells(start, fit) if one.names == ("gain_4",)])
-
-
-def cells(start, fit):
-    return propose_candidates(scene_of(start.problem, fit), ())
+    return select_from(
+        start, lambda fit: [one for one in those_of(start, "joint_gain")(fit) if one.names == ("gain_4",)]
+    )
 
 
 @pytest.fixture(scope="module")
 def whole(start, selected):
-    pool = pool_candidates(selected.fit, (*selected.picks, *cells(start, selected.fit)))
+    pool = pool_candidates(selected.fit, (*selected.picks, *everything(start)(selected.fit)))
     found = signatures_in_data(pool, selected.picks)
     return CompleteModel(refit_picks(start.fit, selected.fit, found.candidates), found.candidates)
 

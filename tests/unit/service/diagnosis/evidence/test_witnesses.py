@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
-from truepose.diagnosis.baseline_fit import Start, fit_baseline
+from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted, started
 from truepose.diagnosis.evidence.residual_structure import fixed_nests_contradict, instrument_suspects
 from truepose.domain.diagnosis import Cause
 from truepose.effects.causes import ErrorSignature
@@ -69,8 +68,7 @@ def test_nests_that_nothing_explains_are_left_over(step_mm, left_over):
     looks = campaign.reference
     late = looks.time_s > np.median(looks.time_s)
     moved = replace(looks, position_mm=looks.position_mm + step_mm * late[:, None])
-    start = fit_baseline(replace(campaign, reference=moved), PRESENT, relabel=False)
-    assert isinstance(start, Start)
+    start = started(replace(campaign, reference=moved))
 
     left = left_of(start, make_selected(start, []))
 

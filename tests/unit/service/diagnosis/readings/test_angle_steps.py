@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
+from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted, started
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
 from truepose.diagnosis.angle_steps import step_of
-from truepose.diagnosis.baseline_fit import Start, fit_baseline
 from truepose.diagnosis.sentences import remaining_sentence
 from truepose.messages.catalogue import english
 
@@ -26,8 +25,7 @@ def written_in_steps(campaign, step_deg):
 
 
 def left_beside(campaign, effects=PRESENT):
-    start = fit_baseline(campaign, effects, relabel=False)
-    assert isinstance(start, Start), start
+    start = started(campaign, effects)
     return left_of(start, make_selected(start, ()))
 
 
@@ -76,7 +74,7 @@ def test_points_weigh_by_what_the_steps_do_to_them():
     exact = planted({}, campaign=telling_campaign(N), n=N)
     campaign = replace(exact, validation=exact.calibration)
 
-    start = fit_baseline(written_in_steps(campaign, 0.1), PRESENT, relabel=False)
+    start = started(written_in_steps(campaign, 0.1))
 
     left = left_of(start, make_selected(start, ()))
     assert left.noise_scale == pytest.approx(1.0, abs=0.2)  # of 100 medians, four standard deviations
@@ -89,7 +87,7 @@ def test_points_weigh_by_what_the_steps_do_to_them():
 def test_points_that_are_as_stated_keep_their_weights():
     planned = planted({}, campaign=telling_campaign(N, joints_rad=in_steps(configurations(N), 0.1)), n=N)
 
-    start = fit_baseline(planned, PRESENT, relabel=False)
+    start = started(planned)
 
     assert start.steps is None
     assert start.campaign is planned

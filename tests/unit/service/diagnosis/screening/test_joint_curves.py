@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.diagnosis.selections import PRESENT, planted, select_from
-from truepose.diagnosis.baseline_fit import fit_baseline, scene_of
+from tests.helpers.diagnosis.selections import PRESENT, planted, select_from, started, those_of
+from truepose.diagnosis.baseline_fit import scene_of
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.selection import reselect
@@ -25,16 +25,13 @@ def lines(joint, count, seed, size_deg):
     }
 
 
-def campaigns(values, n=300):
-    truth = {"joint_harmonics": values}
-    measured = planted(truth, telling_campaign(n))
-    return measured, planted(truth, telling_campaign(n, seed=5), seed=11).calibration
+def campaign_of(values, n=300):
+    return planted({"joint_harmonics": values}, telling_campaign(n))
 
 
 @pytest.fixture(scope="module")
 def found():
-    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
-    return diagnose(measured, PRESENT)
+    return diagnose(campaign_of(lines(1, 25, seed=2, size_deg=0.006)), PRESENT)
 
 
 def test_a_joint_with_dozens_of_lines_is_found_as_one_curve(found):
@@ -65,21 +62,16 @@ def test_a_curve_is_drawn_finely_enough_for_its_fastest_wave(found):
 
 def test_a_few_waves_are_told_one_by_one():
     values = {"wave_1_2_sin": 3e-4, "wave_1_2_cos": 0.0, "wave_1_9_sin": 2e-4, "wave_1_9_cos": 1e-4}
-    measured, _ = campaigns(values, n=100)
 
-    found = diagnose(measured, PRESENT)
+    found = diagnose(campaign_of(values, n=100), PRESENT)
 
     assert {len(finding.parameters) for finding in found.findings} == {2}
     assert {finding.subject for finding in found.findings} == {"joint 1"}
 
 
 def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time():
-    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006), n=120)
-    start = fit_baseline(measured, PRESENT, relabel=False)
-
-    def propose(fit):
-        return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
-
+    start = started(campaign_of(lines(1, 25, seed=2, size_deg=0.006), n=120))
+    propose = those_of(start, "joint_harmonics")
     selected = select_from(start, propose)
     assert selected.picks[0].function
 
@@ -89,8 +81,7 @@ def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time
 
 
 def test_a_curve_that_was_sized_may_still_grow_to_what_physics_allows():
-    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
-    start = fit_baseline(measured, PRESENT, relabel=False)
+    start = started(campaign_of(lines(1, 25, seed=2, size_deg=0.006)))
     proposed = CAUSES["joint_harmonics"].candidates(scene_of(start.problem, start.fit))
     curve = next(one for one in proposed if one.function and one.subject == "joint 1")
 

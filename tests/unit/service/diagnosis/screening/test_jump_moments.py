@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.selections import make_start, select_from
+from tests.helpers.diagnosis.selections import everything, make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
-from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import propose_candidates
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.refinement import with_exact_moments
 from truepose.diagnosis.screening.selection import Selection, refit_picks
@@ -23,7 +21,7 @@ def jumped(after):
     plain = times(make_start({}, n=READINGS))
     middle_s = 0.5 * (plain[after - 1] + plain[after])
     start = make_start({"unnamed": {f"cell_jump_3_{middle_s:.0f}_turn": 1.5e-4}}, n=READINGS)
-    return start, middle_s, lambda fit: propose_candidates(scene_of(start.problem, fit), ())
+    return start, middle_s, everything(start)
 
 
 @pytest.mark.parametrize("after", [40, 41, 42, 87])
@@ -42,10 +40,7 @@ def test_a_jump_is_placed_in_the_gap_in_which_it_happened(after):
 
 def test_without_a_jump_nothing_is_placed():
     start = make_start({"joint_gain": {"gain_4": 1e-3}})
-
-    def propose(fit):
-        return propose_candidates(scene_of(start.problem, fit), ())
-
+    propose = everything(start)
     selected = select_from(start, propose)
 
     assert with_exact_moments(start.fit, selected, propose, start.scene) is selected

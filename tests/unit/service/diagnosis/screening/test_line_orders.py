@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
-from truepose.diagnosis.baseline_fit import scene_of
+from tests.helpers.diagnosis.selections import make_selected, make_start, select_from, those_of
 from truepose.diagnosis.screening.refinement import with_known_orders, with_lines_between
 from truepose.domain.diagnosis import Detail
-from truepose.effects.registry import CAUSES
 
 N = 120
 SIZE_RAD = 4e-4
@@ -20,10 +18,7 @@ def waves(joint, *orders):
 def selection(joint, *orders):
     """What the selection makes of waves that were planted, and of lines between their orders."""
     start = make_start(waves(joint, *orders), n=N)
-
-    def propose(fit):
-        return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
-
+    propose = those_of(start, "joint_harmonics")
     selected = select_from(start, propose)
     return start, selected, with_lines_between(start.fit, selected, propose, start.scene)
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.helpers.diagnosis.least_squares import left_square, left_square_beside, stacked
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.screening.normal_equations import design_effect, normal_of, products_of
 from truepose.domain.campaign import Stops
@@ -24,19 +25,6 @@ def start():
 def extended(start):
     """The model with the gain of joint 4."""
     return make_selected(start, [GAIN], [("joint_gain", "joint 2"), ("joint_coupling", "joint 6")])
-
-
-def stacked(fitted):
-    """Derivatives and residuals of observations and priors."""
-    structure, final = fitted.structure, fitted.solution.final
-    matrix = np.vstack([final.jacobian.T, np.diag(1.0 / structure.prior_widths)])
-    return matrix, np.append(final.residual, (structure.prior_means - fitted.values) / structure.prior_widths)
-
-
-def left_square(matrix, residual):
-    """Sum of squares that a least-squares fit leaves, columns scaled so that rounding stays small."""
-    unit = matrix / np.linalg.norm(matrix, axis=0)
-    return float(np.sum((residual - unit @ np.linalg.lstsq(unit, residual, rcond=None)[0]) ** 2))
 
 
 def trial_columns(selected):
@@ -73,17 +61,12 @@ def test_priors_count_as_observations_so_that_their_parameters_cost_no_degree(ex
 
 
 def test_a_pick_in_the_pool_leaves_what_a_fit_with_it_would_leave(extended):
-    matrix, residual = stacked(extended.fit)
     pick = extended.pool.all[1]  # the first one that is not fitted
-    columns, widths = extended.pool.rows(1), [spec.prior_width for spec in pick.specs]
-    wider = np.block([
-        [matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])],
-        [np.zeros((len(columns), matrix.shape[1])), np.diag(1.0 / np.array(widths))],
-    ])
 
     view = extended.pool.beside(1, pick).view()
 
-    expected = left_square(wider, np.append(residual, np.zeros(len(columns))))
+    widths = [spec.prior_width for spec in pick.specs]
+    expected = left_square_beside(extended.fit, extended.pool.rows(1), widths)
     assert view.sums.residual_square == pytest.approx(expected, rel=1e-6)
     assert set(pick.names) <= view.fitted
     # nothing of its own columns is left but what its prior holds back
@@ -149,9 +132,6 @@ def test_without_a_parameter_the_linear_problem_is_that_of_a_fit_without_it(star
 def test_random_effects_besides_are_parameters_with_a_prior(extended):
     columns = trial_columns(extended)
     widths = np.geomspace(1e-5, 1e-3, len(columns))
-    matrix, residual = stacked(extended.fit)
-    wider = np.block([[matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])],
-                      [np.zeros((len(columns), matrix.shape[1])), np.diag(1.0 / widths)]])  # fmt: skip
 
     past = (
         normal_of(extended.fit)
@@ -159,7 +139,7 @@ def test_random_effects_besides_are_parameters_with_a_prior(extended):
         .past()
     )
 
-    expected = left_square(wider, np.append(residual, np.zeros(len(columns))))
+    expected = left_square_beside(extended.fit, columns, widths)
     assert past.sums.residual_square == pytest.approx(expected, rel=1e-6)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.diagnosis.least_squares import left_square, left_square_beside, stacked
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.significance import screen
@@ -30,21 +31,7 @@ def candidate(start, *name, width=None):
 
 def least_squares_gain(fit, columns, widths):
     """What a real fit with further parameters would take off the sum of squares."""
-    structure, final = fit.structure, fit.solution.final
-    precision = 1.0 / structure.prior_widths
-    before = np.vstack([final.jacobian.T, np.diag(precision)])
-    residual = np.append(final.residual, (structure.prior_means - fit.values) * precision)
-    k, p = len(columns), before.shape[1]
-    after = np.block([
-        [before, np.vstack([columns.T, np.zeros((p, k))])],
-        [np.zeros((k, p)), np.diag(1.0 / np.asarray(widths))],
-    ])
-    return left(before, residual) - left(after, np.append(residual, np.zeros(k)))
-
-
-def left(matrix, residual):
-    unit = matrix / np.linalg.norm(matrix, axis=0)
-    return float(np.sum((residual - unit @ np.linalg.lstsq(unit, residual, rcond=None)[0]) ** 2))
+    return left_square(*stacked(fit)) - left_square_beside(fit, columns, widths)
 
 
 @pytest.mark.parametrize("name", [GAINS[0], GAINS[1], COUPLING, WAVE])

@@ -3,18 +3,12 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
-from truepose.diagnosis.baseline_fit import scene_of
-from truepose.diagnosis.diagnose import propose_candidates
+from tests.helpers.diagnosis.selections import everything, make_selected, make_start, select_from, those_of
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.selection import best_of, chosen, refit_picks, reselect, select
 from truepose.diagnosis.screening.significance import Screening
 
 BACKLASH = {"gap_3": 4e-4}
-
-
-def everything(start):
-    return lambda fit: propose_candidates(scene_of(start.problem, fit), ())
 
 
 def named(picks):
@@ -50,10 +44,7 @@ def test_a_planted_cause_is_picked_alone(effect, parameters, subject):
 def test_a_drift_settles_only_where_it_is_seen_to(shape, rate, seed):
     start = make_start({"base_drift": {f"drift_{shape}_x": rate, f"drift_{shape}_y": -rate}}, seed=seed)
 
-    def drifts(fit):
-        return tuple(one for one in everything(start)(fit) if one.effect == "base_drift")
-
-    (pick,) = select_from(start, drifts).picks
+    (pick,) = select_from(start, those_of(start, "base_drift")).picks
 
     assert ("exp" in pick.names[0]) == ("exp" in shape)  # a time constant is told to a step of two
 

@@ -13,7 +13,9 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import (
     START,
     scene_of,
+    start_for,
     telling_campaign,
+    telling_problem,
     telling_scene,
     without_masses,
 )
@@ -26,10 +28,6 @@ from truepose.kinematics.frames import vector_from_rotation
 
 EXACT = 1e-6
 ROUNDING_MM = 1e-9
-ANOTHER_START = {
-    "axis_parallelism": ("base", "geometry_dhm", "compliance"),
-    "compliance": ("base", "geometry"),
-}
 OF_BALLBARS = {"ballbar_zero", "fixture_shift"}
 WITHOUT_PARAMETERS = {"label_swap", "outliers"}
 ON_POSITIONS = [name for name in CAUSES if name not in OF_BALLBARS | WITHOUT_PARAMETERS]
@@ -94,10 +92,8 @@ def require_alike(structure, targets, values, owner, rel):
 
 @pytest.mark.parametrize("cause", ON_POSITIONS)
 def test_every_candidate_moves_positions_and_orientations_as_its_derivatives_say(cause):
-    campaign = telling_campaign()
-    start = ANOTHER_START.get(cause, START)
-    scene = telling_scene(start, campaign)
-    problem = extended(build(campaign, start), cause, scene)
+    start = start_for(cause)
+    problem = extended(telling_problem(start), cause, telling_scene(start))
     values = displaced(problem)
     structure, targets = held(problem, values)
 
@@ -108,8 +104,7 @@ def test_every_candidate_moves_positions_and_orientations_as_its_derivatives_say
 
 @pytest.mark.parametrize("effect", [name for name in EFFECTS if name not in CAUSES])
 def test_every_effect_that_is_no_cause_moves_positions_and_orientations_as_its_derivatives_say(effect):
-    campaign = telling_campaign()
-    problem = build(campaign, tuple(dict.fromkeys(("base", effect))))
+    problem = telling_problem(tuple(dict.fromkeys(("base", effect))))
     values = displaced(problem)
     structure, targets = held(problem, values)
 
@@ -133,9 +128,8 @@ def test_joints_with_signs_and_links_of_any_kind_are_differentiated_alike(cause)
 
 @pytest.mark.parametrize("cause", ["payload", "link_mass"])
 def test_a_wrong_mass_is_differentiated_through_the_slope_of_a_gear_that_is_softer_unloaded(cause):
-    campaign = telling_campaign()
     start = (*START, "compliance_nonlinear")
-    problem = extended(build(campaign, start), cause, telling_scene(start, campaign))
+    problem = extended(telling_problem(start), cause, telling_scene(start))
     values = displaced(problem)
     structure, targets = held(problem, values)
 
@@ -156,8 +150,7 @@ def test_products_of_springs_and_unknown_moments_are_differentiated_too():
     "cause", ["payload", "link_mass", "link_bending", "base_compliance", "compliance_nonlinear"]
 )
 def test_that_loads_follow_the_deflection_is_left_out_and_is_small(cause):
-    campaign = telling_campaign()
-    problem = extended(build(campaign, START), cause, telling_scene(START, campaign))
+    problem = extended(telling_problem(), cause, telling_scene())
     values = displaced(problem)
 
     # A deflection changes the torque of its own joint by weight x lever x compliance: 7.7 kg * 9.81 m/s2 *
@@ -166,10 +159,10 @@ def test_that_loads_follow_the_deflection_is_left_out_and_is_small(cause):
 
 
 def test_the_scene_of_these_tests_shows_every_cause_that_acts_on_positions():
-    scenes = {name: telling_scene(ANOTHER_START.get(name, START)) for name in ON_POSITIONS}
+    scenes = {name: telling_scene(start_for(name)) for name in ON_POSITIONS}
 
     blind = [name for name in ON_POSITIONS if not CAUSES[name].candidates(scenes[name])]
 
     assert blind == []
     assert IRB_120.masses  # else loads would not be among them
-    assert scene_of(build(telling_campaign(), START)).torque_n_mm is not None
+    assert scene_of(telling_problem()).torque_n_mm is not None

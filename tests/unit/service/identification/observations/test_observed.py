@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, N, telling_legs
+from tests.helpers.diagnosis.leg_scenes import PER_PLACEMENT, N, leg_problem, telling_legs
 from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.identification.problem.build import build
@@ -14,7 +14,7 @@ SECOND = np.arange(PER_PLACEMENT, N)
 
 @pytest.fixture(scope="module")
 def problem():
-    return build(telling_legs(), LEG_START)
+    return leg_problem()
 
 
 def test_legs_from_some_of_the_cups_are_held_against_those_cups(problem):
