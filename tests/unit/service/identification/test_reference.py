@@ -13,12 +13,12 @@ from tests.helpers.diagnosis.point_scenes import (
     telling_campaign,
     telling_scene,
 )
+from tests.helpers.identification.differences import require_alike
 from truepose.domain.robot import FixedNest
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify
 from truepose.identification.fit.assessment import propagate_certificates
 from truepose.identification.fit.robust import robust_fit
-from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixed_nests import ReferenceBlock, reference_block
 from truepose.identification.problem.build import build
 from truepose.messages.catalogue import english
@@ -144,18 +144,12 @@ def test_predictions_of_fixed_nests_are_differentiated_exactly(effects):
     rng = np.random.default_rng(3)
     values = problem.start + 0.3 * structure.prior_widths * rng.standard_normal(len(problem.start))
 
-    analytic = linearise_blocks(structure, blocks, values, None).jacobian
-
-    for k, spec in enumerate(structure.specs):
+    def step_of(spec):
         # Widths of certificates are 2 um: larger steps keep the rounding of a metre (1e-13 mm) out of it,
         # and the functions are linear in a place and nearly so in all else.
-        step = max(1e-4 * spec.prior_width, 1e-3 if spec.unit == "mm" else 0.0)
-        ahead, behind = (
-            linearise_blocks(structure, blocks, values + sign * step * np.eye(len(values))[k], None).residual
-            for sign in (1.0, -1.0)
-        )
-        slope = (behind - ahead) / (2.0 * step)
-        assert analytic[k] == pytest.approx(slope, abs=1e-6 * np.abs(slope).max()), spec.name
+        return max(1e-4 * spec.prior_width, 1e-3 if spec.unit == "mm" else 0.0)
+
+    require_alike(structure, blocks, values, step_of=step_of)
 
 
 def test_a_part_of_the_readings_gives_that_part_of_the_result():
@@ -285,10 +279,9 @@ def test_readings_of_nests_without_a_certificate_are_passed_over():
 
 @pytest.mark.parametrize("cause", [name for name in CAUSES if name not in {"ballbar_zero", "fixture_shift"}])
 def test_of_all_causes_only_those_of_the_instrument_move_fixed_nests(cause):
-    campaign = telling_campaign()
-    problem = build(campaign, ARM, with_reference=True)
+    problem = build(telling_campaign(), ARM, with_reference=True)
     block = problem.blocks[1]
-    candidates = CAUSES[cause].candidates(telling_scene(ARM, campaign))[:3]
+    candidates = CAUSES[cause].candidates(telling_scene(ARM))[:3]
     structure = problem.structure
     for candidate in candidates:
         new = tuple(spec for spec in candidate.specs if spec.name not in structure.names)

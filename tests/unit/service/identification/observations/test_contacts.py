@@ -124,11 +124,7 @@ def test_centres_are_found_without_a_guess(name):
 
 @pytest.mark.parametrize("name", ["plane", "gauge", "face"])
 def test_planes_are_found_without_a_guess_and_on_the_side_on_which_readings_grow(name):
-    campaign = CAMPAIGNS[name]
-
-    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
-
-    problem = build(campaign, ("tool", "geometry") if tool else ("geometry",))
+    problem = problem_of(name)
 
     for target, normal in zip(problem.structure.targets, NORMALS, strict=True):
         own = found(problem, target.number, ("shift", "slope1", "slope2"))
