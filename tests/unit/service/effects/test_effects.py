@@ -68,22 +68,16 @@ SETTINGS = {
 
 @pytest.mark.parametrize("name", EFFECTS)
 @pytest.mark.parametrize("where", SETTINGS)
-def test_parameters_have_a_unit_a_width_and_a_name_of_their_own(name, where):
-    specs = EFFECTS[name].specs(SETTINGS[where])
-
-    assert len({spec.name for spec in specs}) == len(specs)
-    assert all(spec.unit in UNITS for spec in specs)
-    assert all(np.isfinite(spec.prior_mean) and 0.0 < spec.prior_width < np.inf for spec in specs)
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-@pytest.mark.parametrize("where", SETTINGS)
-def test_every_parameter_acts_and_terms_belong_to_the_parameters_given(name, where):
+def test_every_parameter_is_well_formed_and_acts_and_terms_belong_to_the_parameters_given(name, where):
     chosen = SETTINGS[where]
-    names = tuple(spec.name for spec in EFFECTS[name].specs(chosen))
+    specs = EFFECTS[name].specs(chosen)
+    names = tuple(spec.name for spec in specs)
 
     terms = EFFECTS[name].terms(names, rows(chosen.robot))
 
+    assert len(set(names)) == len(names)
+    assert all(spec.unit in UNITS for spec in specs)
+    assert all(np.isfinite(spec.prior_mean) and 0.0 < spec.prior_width < np.inf for spec in specs)
     assert {term.parameter for term in terms} == set(range(len(names)))
     assert all(np.ndim(term.weight) == 0 or np.shape(term.weight) == (4,) for term in terms)
     joints = {PortKind.ALPHA, PortKind.A, PortKind.BETA, PortKind.THETA, PortKind.D}

@@ -55,33 +55,30 @@ def test_fewer_than_three_cups_are_refused():
         designs(2)
 
 
-@pytest.mark.parametrize("design", designs(4))
-def test_every_solution_of_every_design_has_the_lengths_that_went_in(design):
+def test_every_solution_of_every_design_has_the_lengths_that_went_in():
     length_mm = UNEVEN[6:]
 
-    points = solve(design, FOUR_CUPS, UNEVEN[3:6], length_mm)
-
-    for nests in points:
-        apart = [np.linalg.norm(nests[nest - 1] - FOUR_CUPS[cup - 1]) for cup, nest in design.legs]
-        assert apart == pytest.approx(length_mm, abs=1e-9)
-        assert sides(nests) == pytest.approx(UNEVEN[3:6], abs=1e-9)
-
-
-@pytest.mark.parametrize("design", DESIGNS)
-def test_the_four_solutions_differ_and_start_above_the_base(design):
-    points = solutions(design, TWELVE)
-
-    first = points[:, design.tool[0] - 1]
-    assert (first[:, 2] > 200.0).all()
-    assert all(np.abs(one - other).max() > 1.0 for one, other in pairwise(points))
+    for design in designs(4):
+        for nests in solve(design, FOUR_CUPS, UNEVEN[3:6], length_mm):
+            apart = [np.linalg.norm(nests[nest - 1] - FOUR_CUPS[cup - 1]) for cup, nest in design.legs]
+            assert apart == pytest.approx(length_mm, abs=1e-9), design.name
+            assert sides(nests) == pytest.approx(UNEVEN[3:6], abs=1e-9), design.name
 
 
-@pytest.mark.parametrize("design", designs(4))
-def test_with_a_fourth_cup_no_nest_comes_where_a_cup_is(design):
-    points = solve(design, FOUR_CUPS, TOOL, LEGS).reshape(-1, 3)
+def test_the_four_solutions_of_every_design_differ_and_start_above_the_base():
+    for design in DESIGNS:
+        points = solutions(design, TWELVE)
+
+        first = points[:, design.tool[0] - 1]
+        assert (first[:, 2] > 200.0).all(), design.name
+        assert all(np.abs(one - other).max() > 1.0 for one, other in pairwise(points)), design.name
+
+
+def test_with_a_fourth_cup_no_nest_of_any_design_comes_where_a_cup_is():
+    points = np.concatenate([solve(design, FOUR_CUPS, TOOL, LEGS) for design in designs(4)])
 
     # the nearest a nest of a nominal assembly comes to a cup without a leg; with the wrong side it is 0
-    assert np.linalg.norm(points[:, None] - FOUR_CUPS, axis=2).min() > 100.0
+    assert np.linalg.norm(points[:, :, None] - FOUR_CUPS, axis=3).min() > 100.0
 
 
 def test_many_measurements_are_solved_at_once():
@@ -156,15 +153,14 @@ def test_a_fourth_cup_that_cannot_be_there_is_refused():
         fourth_cup(CUPS, 100.0, 100.0, 100.0)
 
 
-@pytest.mark.parametrize("design", DESIGNS)
-def test_the_derivatives_by_all_twelve_lengths_agree_with_complex_steps(design):
-    points = solutions(design, UNEVEN)
-
+def test_the_derivatives_by_all_twelve_lengths_agree_with_complex_steps():
     steps = UNEVEN + 1e-30j * np.eye(12)
-    by_steps = np.stack([solutions(design, step).imag.reshape(4, 9) / 1e-30 for step in steps], axis=2)
 
-    analytic = solution_gradient(design, base_triangle(*UNEVEN[:3]), points)
-    assert analytic == pytest.approx(by_steps, abs=1e-11)
+    for design in DESIGNS:
+        analytic = solution_gradient(design, base_triangle(*UNEVEN[:3]), solutions(design, UNEVEN))
+
+        by_steps = np.stack([solutions(design, step).imag.reshape(4, 9) / 1e-30 for step in steps], axis=2)
+        assert analytic == pytest.approx(by_steps, abs=1e-11), design.name
 
 
 def test_the_uncertainty_of_the_pattern_is_that_of_the_thesis_for_t1_and_t2():
