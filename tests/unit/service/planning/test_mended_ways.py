@@ -1,6 +1,7 @@
 """Of plans that the service chooses nothing touches on any way; what is clear already stays as it is."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -32,22 +33,23 @@ SPACES = {arm: space_of(f"{arm}-tilted") for arm in ("irb120", "lrmate")}
 LRMATE = SPACES["lrmate"]
 
 
-def chosen(arm, role, n, seed):
+def plan_of(arm, role, n, seed):
     if role == "validation":
         return plan_validation(SPACES[arm], n, seed)
     return plan_calibration(SPACES[arm], n, seed, n_candidates=FEW)
 
 
-@pytest.fixture
-def unmended(monkeypatch):
-    """Plans as they are ordered and not mended."""
+@cache
+def chosen(*wanted):
+    return plan_of(*wanted)
 
-    def plan(*wanted):
-        with monkeypatch.context() as patched:
-            patched.setattr(plans, "mended_or_toured", lambda pool, order, *_, **__: np.array(order))
-            return chosen(*wanted)
 
-    return plan
+@cache
+def unmended(*wanted):
+    """The plan as it is ordered and not mended."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(plans, "mended_or_toured", lambda pool, order, *_, **__: np.array(order))
+        return plan_of(*wanted)
 
 
 def least_room_mm(arm, plan):
@@ -73,7 +75,7 @@ def first_visits(plan):
         ("lrmate", "validation", 50, 1),
     ],
 )
-def test_on_no_way_of_a_chosen_plan_anything_touches(wanted, unmended):
+def test_on_no_way_of_a_chosen_plan_anything_touches(wanted):
     before, plan = unmended(*wanted), chosen(*wanted)
 
     assert least_room_mm(wanted[0], before) < 0.0  # else there was nothing to mend
@@ -88,14 +90,14 @@ def test_on_no_way_of_a_chosen_plan_anything_touches(wanted, unmended):
 
 
 @pytest.mark.parametrize(("arm", "role"), [("irb120", "calibration"), ("lrmate", "validation")])
-def test_a_plan_that_is_clear_stays_as_it_is(arm, role, unmended):
+def test_a_plan_that_is_clear_stays_as_it_is(arm, role):
     before = unmended(arm, role, 20, 4)
     assert least_room_mm(arm, before) > 0.0
 
     assert chosen(arm, role, 20, 4) == before
 
 
-def test_what_takes_the_place_of_a_stop_costs_no_observability(unmended):
+def test_what_takes_the_place_of_a_stop_costs_no_observability():
     wanted = ("lrmate", "calibration", 40, 5)
     before, after = unmended(*wanted), chosen(*wanted)
     assert {s.joints_rad for s in before.stops} != {s.joints_rad for s in after.stops}
@@ -158,7 +160,7 @@ def test_where_nothing_can_be_clear_one_sentence_says_what_touches_and_what_to_l
     monkeypatch.setitem(SPACES, "behind", behind)
 
     with pytest.raises(NoWayError) as refused:
-        chosen("behind", role, 6, 1)
+        plan_of("behind", role, 6, 1)
 
     sentence = str(refused.value)
     assert "of 6 configurations cannot be reached" in sentence

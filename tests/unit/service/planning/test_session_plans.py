@@ -1,6 +1,7 @@
 """Plans made of chosen configurations: how good they are, in which order, which are visited again."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ def rng():
     return np.random.default_rng(2)
 
 
+@cache
 def feasible_stops(n):
     drawn = draw_candidates(SPACE, n, rng())
     return tuple(
