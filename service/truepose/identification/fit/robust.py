@@ -107,7 +107,10 @@ class RobustFit:
 
 
 def fit(
-    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray
+    structure: Structure,
+    blocks: tuple[ObservationBlock, ...],
+    start: FloatArray,
+    point: StackedBlocks | None = None,
 ) -> Solution[StackedBlocks]:
     """Fit with the weights as they are.
 
@@ -117,25 +120,15 @@ def fit(
     blocks : tuple of Block
     start : ndarray, shape (P,)
         Internal units.
+    point : StackedBlocks, optional
+        At the start, where the readings were predicted already; they may weigh otherwise now.
     """
     return solve(
         lambda values, previous: linearise_blocks(structure, blocks, values, previous),
         start,
         structure.prior_means,
         structure.prior_widths,
-    )
-
-
-def _refit(
-    structure: Structure, blocks: tuple[ObservationBlock, ...], start: FloatArray, point: StackedBlocks
-) -> Solution[StackedBlocks]:
-    """Fit from where the readings were predicted already; they weigh otherwise now."""
-    return solve(
-        lambda values, previous: linearise_blocks(structure, blocks, values, previous),
-        start,
-        structure.prior_means,
-        structure.prior_widths,
-        first=reweigh(blocks, point),
+        first=None if point is None else reweigh(blocks, point),
     )
 
 
@@ -156,7 +149,7 @@ def robust_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], start
         Its `solution` says whether the last solving converged.
     """
     structure, soft, nearly = _soft_rounds(structure, blocks, start)
-    gentle = _refit(structure, soft, nearly.values, nearly.final)
+    gentle = fit(structure, soft, nearly.values, nearly.final)
     blocks, gross, solution = _hard_rounds(structure, soft, gentle)
     if _typical(solution.final.results[0]) > _LOST * _typical(gentle.final.results[0]):
         # A sizeable minority drags the fit away from what the majority agrees on: weigh softly after all.
@@ -169,7 +162,7 @@ def robust_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], start
             block.weighted(np.where(flags, 0.0, block.weights), block.discrepancy)
             for block, flags in zip(soft, gross, strict=True)
         )
-        solution = _refit(structure, blocks, gentle.values, gentle.final)
+        solution = fit(structure, blocks, gentle.values, gentle.final)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
@@ -180,7 +173,7 @@ def counted_fit(structure: Structure, blocks: tuple[ObservationBlock, ...], star
     """
     solution = fit(structure, blocks, start)
     blocks = _with_discrepancy(blocks, solution)
-    solution = _refit(structure, blocks, solution.values, solution.final)
+    solution = fit(structure, blocks, solution.values, solution.final)
     gross = tuple(np.zeros(len(block.weights), dtype=bool) for block in blocks)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
@@ -215,7 +208,7 @@ def _hard_rounds(
             for block, (_, weights) in zip(blocks, judged, strict=True)
         )
         blocks = _with_discrepancy(blocks, solution)
-        solution = _refit(structure, blocks, solution.values, solution.final)
+        solution = fit(structure, blocks, solution.values, solution.final)
         # Readings at the limit may come and go by turns for ever: weights that were there before end it.
         key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
         if key in seen:
@@ -236,7 +229,7 @@ def _soft_rounds(
             break
         # Widths are scaled from the stated ones every time: from the last ones they could only grow.
         blocks = tuple(_softly(block, result) for block, result in zip(blocks, point.results, strict=True))
-        solution = _refit(structure, blocks, values, point)
+        solution = fit(structure, blocks, values, point)
         values, point = solution.values, solution.final
         structure = _widened(stated, held, values, solution.covariance)
     return structure, blocks, solution
