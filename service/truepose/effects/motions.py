@@ -303,6 +303,58 @@ def around(found: tuple[Gap, ...], time_s: float) -> Gap:
     return min(found, key=lambda gap: abs(gap.middle_s - time_s))
 
 
+class FittedJumps(NamedTuple):
+    """Jumps of one thing as they were fitted, in the order of time, as somebody would tell it.
+
+    Attributes
+    ----------
+    times_s : tuple of float
+    motions : tuple of Motion
+    """
+
+    times_s: tuple[float, ...]
+    motions: tuple[Motion, ...]
+
+    @property
+    def largest(self) -> tuple[float, Motion]:
+        """The one that shifts farthest, with its time [s]."""
+        largest = int(np.argmax([motion.shift[0] for motion in self.motions]))
+        return self.times_s[largest], self.motions[largest]
+
+    def details(self, found: tuple[Gap, ...]) -> tuple[Detail, ...]:
+        """Return the time and the motion of each, told by the gaps in which they may lie."""
+        return tuple(
+            detail
+            for time_s, motion in zip(self.times_s, self.motions, strict=True)
+            for detail in (_moment_of(time_s, found), *motion.details())
+        )
+
+
+def fitted_jumps(fitted: FittedCause, point_mm: FloatArray | None = None) -> FittedJumps:
+    """Return the jumps that parameters `<prefix>_<time>_<component>` are of.
+
+    Parameters
+    ----------
+    fitted : FittedCause
+    point_mm : ndarray, shape (3,), optional
+        Whose shifts are told; that of the origin otherwise.
+    """
+    prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
+    motions = (_of_prefix(fitted, prefix) for prefix in prefixes)
+    seen = (motion if point_mm is None else motion.seen_at(point_mm) for motion in motions)
+    return FittedJumps(tuple(map(jump_time_s, prefixes)), tuple(seen))
+
+
+def _of_prefix(fitted: FittedCause, chosen: str) -> Motion:
+    return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
+
+
+def _moment_of(time_s: float, found: tuple[Gap, ...]) -> Detail:
+    """Return the time of a jump: anywhere within its gap, evenly spread, hence width / sqrt(12)."""
+    width_s = around(found, time_s).width_s if found else 0.0
+    return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
+
+
 def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
     """Move ports of each prefix and component from the prefix's time on: weight 0 before it, 1 from it on.
 

@@ -28,9 +28,10 @@ from truepose.effects.motions import (
     motion_specs,
     split_motion,
     spoken,
+    without_times,
 )
-from truepose.effects.ports import ParameterSpec, Port, Rows, Term
-from truepose.messages.message import Message, message
+from truepose.effects.ports import Need, ParameterSpec, Port, Rows, Setting, Term
+from truepose.messages.message import Message, Text, message
 
 LINEAR = "linear"
 _WIDTH_MM_PER_H = 0.3  # five times a drift that a calibration engineer would call serious
@@ -38,6 +39,31 @@ _WIDTH_RAD_PER_H = 3e-4
 _SHORTEST_S = 600.0  # of the grid of time constants, which doubles from one to the next
 # Within a sixteenth of the measurements it is over before it is seen; beyond all of them it is even.
 _FASTEST, _SLOWEST = 1.0 / 16.0, 1.0
+
+
+class RigidDrift:
+    """What drifts of base and instrument have in common: six rates, even or settling."""
+
+    name: str
+    place: str  # what moves: the subject of its candidates
+    prefix: str  # of its parameters' names
+    needs: frozenset[Need] = frozenset({"time"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the rates of an even drift."""
+        return drift_specs(self.prefix, LINEAR)
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the shapes has no end of its own: an even drift, which a made model holds."""
+        return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Need times."""
+        return without_times(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose an even drift and settling ones."""
+        return () if self.unseen(scene) else drift_candidates(self.name, self.place, self.prefix, scene)
 
 
 def drift_specs(prefix: str, shape: str) -> tuple[ParameterSpec, ...]:
@@ -74,11 +100,6 @@ def drift_terms(names: tuple[str, ...], rows: Rows, port: Callable[[int], Port])
     # Once for each shape: its six components share one way.
     ways = {prefix: np.nan_to_num(_come_h(_shape_of(prefix), rows)) for prefix, _ in split}
     return [Term(k, port(component), ways[prefix]) for k, (prefix, component) in enumerate(split)]
-
-
-def is_endless_drift(names: tuple[str, ...]) -> bool:
-    """Say whether one of the shapes has no end of its own: an even drift, which a made model holds."""
-    return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
 
 
 def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tuple[Candidate, ...]:

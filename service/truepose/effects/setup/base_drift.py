@@ -6,52 +6,28 @@ move by rate times way (`effects.drifts`).
 
 from dataclasses import replace
 
-from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.motions import without_times
-from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
-from truepose.effects.rigid_drifts import (
-    LINEAR,
-    describe_drift,
-    drift_candidates,
-    drift_specs,
-    drift_terms,
-    is_endless_drift,
-)
-from truepose.messages.message import Text, message, together
+from truepose.effects.causes import Description, FittedCause, Scene, Signature
+from truepose.effects.ports import Rows, Term, motion_port
+from truepose.effects.rigid_drifts import RigidDrift, describe_drift, drift_terms
+from truepose.messages.message import message, together
 
 NAME = "base_drift"
-_PREFIX = "drift"
 _BASE = 0
 
 
-class BaseDrift:
+class BaseDrift(RigidDrift):
     """Six rates, even or settling."""
 
     name = NAME
-    needs: frozenset[Need] = frozenset({"time"})
+    place = "base"
+    prefix = "drift"
     signature = Signature(
         "base", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
     )
 
-    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return the rates of an even drift."""
-        return drift_specs(_PREFIX, LINEAR)
-
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move the base as far as it has come: weight the way per rate [h]."""
         return drift_terms(names, rows, lambda component: motion_port(_BASE, component))
-
-    def goes_on(self, names: tuple[str, ...]) -> bool:
-        """Return whether one of the shapes has no end of its own."""
-        return is_endless_drift(names)
-
-    def unseen(self, scene: Scene) -> Text | None:
-        """Need times."""
-        return without_times(scene)
-
-    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Propose an even drift and settling ones."""
-        return () if self.unseen(scene) else drift_candidates(NAME, "base", _PREFIX, scene)
 
     def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how fast the base moves, and whether anything but the base could have moved the readings."""

@@ -4,20 +4,13 @@ The shift is that of the base's own origin, along the base's axes: the six compo
 parameters from a moment on (`effects.motions`).
 """
 
-import numpy as np
-
-from truepose.domain.diagnosis import Detail
 from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature, has_spread
 from truepose.effects.motions import (
-    Motion,
     Widths,
-    around,
-    fitted_motion,
+    fitted_jumps,
     gaps_of_all,
     jump_terms,
-    jump_time_s,
     motion_specs,
-    split_motion,
     spoken,
     tried,
     without_times,
@@ -65,31 +58,16 @@ class BaseShift:
 
     def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the base jumped, and when; of several jumps the largest is the amplitude."""
-        # In the order of time, as somebody would tell it.
-        prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
-        motions = [_of(fitted, prefix) for prefix in prefixes]
-        largest = int(np.argmax([motion.shift[0] for motion in motions]))
-        amplitude, uncertainty = motions[largest].shift
-        details = [
-            detail
-            for prefix, motion in zip(prefixes, motions, strict=True)
-            for detail in (_when(scene, prefix), *motion.details())
-        ]
-        after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
+        jumps = fitted_jumps(fitted)
+        time_s, largest = jumps.largest
+        amplitude, uncertainty = largest.shift
         sentence = message(
-            "causes.base_shift", shift_mm=amplitude, turn_deg=motions[largest].turn_deg[0], after=after
+            "causes.base_shift",
+            shift_mm=amplitude,
+            turn_deg=largest.turn_deg[0],
+            after=spoken(time_s - scene.origin_s),
         )
-        more = message("causes.base_shift.several", jumps=len(prefixes)) if len(prefixes) > 1 else ""
-        return Description(subject, amplitude, "mm", uncertainty, together(sentence, more), tuple(details))
-
-
-def _of(fitted: FittedCause, chosen: str) -> Motion:
-    return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
-
-
-def _when(scene: Scene, prefix: str) -> Detail:
-    """Return the time of a jump: anywhere within its gap, evenly spread, hence width / sqrt(12)."""
-    time_s = jump_time_s(prefix)
-    found = gaps_of_all(scene)
-    width_s = around(found, time_s).width_s if found else 0.0
-    return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
+        count = len(jumps.motions)
+        more = message("causes.base_shift.several", jumps=count) if count > 1 else ""
+        details = jumps.details(gaps_of_all(scene))
+        return Description(subject, amplitude, "mm", uncertainty, together(sentence, more), details)

@@ -8,7 +8,6 @@ middle of its nests.
 import numpy as np
 
 from truepose.domain.arrays import distinct_values
-from truepose.domain.diagnosis import Detail
 from truepose.effects.causes import (
     OF_SUBJECT,
     Candidate,
@@ -20,15 +19,11 @@ from truepose.effects.causes import (
 )
 from truepose.effects.motions import (
     Gap,
-    Motion,
     Widths,
-    around,
-    fitted_motion,
+    fitted_jumps,
     gaps,
     jump_terms,
-    jump_time_s,
     motion_specs,
-    split_motion,
     spoken,
     tried,
     without_times,
@@ -89,34 +84,24 @@ class FixtureShift:
     def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how far the fixture moved, and when; of several moves the largest is the amplitude."""
         placement = int(subject.split()[1])
-        prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
         # About the world's origin a small turn shifts the fixture by metres times it; people ask how far it
         # moved itself.
-        motions = [_of(fitted, prefix).seen_at(scene.fixtures_mm[placement]) for prefix in prefixes]
-        largest = int(np.argmax([motion.shift[0] for motion in motions]))
-        amplitude, uncertainty = motions[largest].shift
-        details = [
-            detail
-            for prefix, motion in zip(prefixes, motions, strict=True)
-            for detail in (_when(scene, placement, prefix), *motion.details())
-        ]
-        after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
+        moves = fitted_jumps(fitted, scene.fixtures_mm[placement])
+        time_s, largest = moves.largest
+        amplitude, uncertainty = largest.shift
         sentence = message(
             "causes.fixture_shift",
             placement=subject,
             shift_mm=amplitude,
-            turn_deg=motions[largest].turn_deg[0],
-            after=after,
+            turn_deg=largest.turn_deg[0],
+            after=spoken(time_s - scene.origin_s),
         )
-        return Description(subject, amplitude, "mm", uncertainty, sentence, tuple(details))
+        details = moves.details(_gaps(scene, placement))
+        return Description(subject, amplitude, "mm", uncertainty, sentence, details)
 
 
 def _port(prefix: str, component: int) -> Port:
     return Port(PortKind.FIXTURE, 6 * (int(prefix.split("_")[1]) - 1) + component)
-
-
-def _of(fitted: FittedCause, chosen: str) -> Motion:
-    return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
 
 
 def _placements(scene: Scene) -> list[int]:
@@ -127,11 +112,3 @@ def _gaps(scene: Scene, placement: int) -> tuple[Gap, ...]:
     here = np.zeros(len(scene.stops), dtype=bool) if scene.placement is None else scene.placement == placement
     # Of this placement alone: lengths of another one are read from nests that did not move with it.
     return gaps(scene.stops, here, _LEAST_READINGS)
-
-
-def _when(scene: Scene, placement: int, prefix: str) -> Detail:
-    """Return the time of a move: anywhere within its gap, evenly spread, hence width / sqrt(12)."""
-    time_s = jump_time_s(prefix)
-    found = _gaps(scene, placement)
-    width_s = around(found, time_s).width_s if found else 0.0
-    return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))

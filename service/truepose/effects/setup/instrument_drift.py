@@ -7,55 +7,34 @@ now and then: they stand still beside a base that moves.
 
 from dataclasses import replace
 
-from truepose.effects.causes import Candidate, Description, FittedCause, Scene, Signature
-from truepose.effects.motions import without_times
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
-from truepose.effects.rigid_drifts import (
-    LINEAR,
-    describe_drift,
-    drift_candidates,
-    drift_specs,
-    drift_terms,
-    is_endless_drift,
-)
+from truepose.effects.causes import Description, FittedCause, Scene, Signature
+from truepose.effects.ports import Port, PortKind, Rows, Term, Trait
+from truepose.effects.rigid_drifts import RigidDrift, describe_drift, drift_terms
 from truepose.messages.message import Text, message, together
 
 NAME = "instrument_drift"
-_PREFIX = "tracker"
 
 
-class InstrumentDrift:
+class InstrumentDrift(RigidDrift):
     """Six rates, even or settling."""
 
     name = NAME
-    needs: frozenset[Need] = frozenset({"time"})
+    place = prefix = "tracker"
     traits = frozenset({Trait.ON_FIXED_NESTS})
     signature = Signature(
         "tracker", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
     )
 
-    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return the rates of an even drift."""
-        return drift_specs(_PREFIX, LINEAR)
-
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move everything that is read: weight the way per rate [h]."""
         return drift_terms(names, rows, lambda component: Port(PortKind.INSTRUMENT, component))
-
-    def goes_on(self, names: tuple[str, ...]) -> bool:
-        """Return whether one of the shapes has no end of its own."""
-        return is_endless_drift(names)
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need times, and an instrument that has a frame."""
         # A ballbar hangs between two balls and has no frame of its own.
         if scene.legs:
             return message("unseen.no_frame")
-        return without_times(scene)
-
-    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Propose an even drift and settling ones."""
-        return () if self.unseen(scene) else drift_candidates(NAME, "tracker", _PREFIX, scene)
+        return super().unseen(scene)
 
     def describe(self, subject: str, fitted: FittedCause, scene: Scene) -> Description:
         """Say how fast the readings move, and whether anything but the instrument could have moved them."""
