@@ -10,6 +10,7 @@ from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.diagnosis.baseline_fit import scene_at
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest
+from truepose.effects.causes import FittedCause
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 
@@ -54,6 +55,12 @@ def telling_campaign(n=24, robot=IRB_120, seed=5, joints_rad=None, **changes):
 def without_masses(robot=IRB_120):
     """The robot of somebody who does not know what its links weigh."""
     return replace(robot, masses=())
+
+
+def fitted(*names_and_values, spread=0.0):
+    """A cause as it was fitted: (name, value) of each parameter, all with one standard uncertainty."""
+    names, values = zip(*names_and_values, strict=True)
+    return FittedCause(names, np.array(values), spread**2 * np.eye(len(names)))
 
 
 def start_for(cause):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import (
+    fitted,
     rows_at_start,
     start_for,
     telling_campaign,
@@ -30,11 +31,6 @@ def scene_for(cause, campaign=None, **changes):
 
 def with_stops(scene, **columns):
     return replace(scene, stops=replace(scene.stops, **columns))
-
-
-def fitted(*names_and_values, spread=0.0):
-    names, values = zip(*names_and_values, strict=True)
-    return FittedCause(names, np.array(values), spread**2 * np.eye(len(names)))
 
 
 def seven_axes(seed=7, **changes):

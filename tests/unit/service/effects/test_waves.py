@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_problem, telling_scene
+from tests.helpers.diagnosis.point_scenes import (
+    START,
+    fitted,
+    telling_campaign,
+    telling_problem,
+    telling_scene,
+)
 from tests.helpers.domain.robots import IRB_120
-from truepose.effects.causes import FittedCause
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.effects.waves import spectrum
 from truepose.identification.model.evaluation import evaluate
-
-
-def fitted(*names_and_values, spread=0.0):
-    names, values = zip(*names_and_values, strict=True)
-    return FittedCause(names, np.array(values), spread**2 * np.eye(len(names)))
 
 
 @pytest.mark.parametrize(

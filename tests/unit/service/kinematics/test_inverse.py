@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import SEVEN_AXES
+from tests.helpers.kinematics.nominal_poses import apart_rad, nominal_poses
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange, JointRow
 from truepose.exchange.robots.named import load_robot
@@ -28,21 +29,13 @@ JOINTS = 1e-6
 ARMS = ("abb-irb-120", "fanuc-lr-mate-200ic")
 
 
-def poses(robot, joints):
-    chain = nominal_chain(robot, joints)
-    pose = np.tile(np.eye(4), (len(joints), 1, 1))
-    pose[:, :3, :3], pose[:, :3, 3] = chain.end_rotation, chain.end_origin
-    return pose
-
-
 def random_joints(robot, n, seed=0):
     return np.random.default_rng(seed).uniform(-np.pi, np.pi, (n, robot.n_joints))
 
 
 def nearest(branches, joints):
     """How far the closest branch is from the joints, whole turns aside."""
-    apart = np.abs(np.mod(branches - joints[:, None] + np.pi, 2 * np.pi) - np.pi).max(axis=2)
-    return np.nanmin(apart, axis=1)
+    return np.nanmin(apart_rad(branches, joints[:, None]), axis=1)
 
 
 def changed(robot, joint, **row):
@@ -66,13 +59,13 @@ def variants():
 @pytest.mark.parametrize("name", ARMS)
 def test_each_branch_reaches_the_pose_and_one_is_the_configuration_it_came_from(name):
     robot, joints = load_robot(name), random_joints(load_robot(name), 500)
-    wanted = poses(robot, joints)
+    wanted = nominal_poses(robot, joints)
 
     found = all_branches(robot, wanted)
 
     there = np.isfinite(found).all(axis=2)
     pose, branch = np.nonzero(there)
-    assert np.abs(poses(robot, found[there]) - wanted[pose]).max() < POSE
+    assert np.abs(nominal_poses(robot, found[there]) - wanted[pose]).max() < POSE
     assert nearest(found, joints).max() < JOINTS
     assert len(set(branch)) == 8
 
@@ -82,7 +75,7 @@ def test_offsets_signs_and_slopes_do_not_spoil_the_closed_form(variant):
     robot = variants()[variant]
     joints = random_joints(robot, 200, seed=1)
 
-    found = all_branches(robot, poses(robot, joints))
+    found = all_branches(robot, nominal_poses(robot, joints))
 
     assert has_closed_form(robot)
     assert nearest(found, joints).max() < JOINTS
@@ -93,7 +86,7 @@ def test_branches_bear_the_names_of_what_the_arm_looks_like(name):
     robot = load_robot(name)
     joints = random_joints(robot, 300, seed=2)
 
-    found = all_branches(robot, poses(robot, joints))
+    found = all_branches(robot, nominal_poses(robot, joints))
 
     for k, words in enumerate(BRANCH_NAMES):
         rows = found[:, k][np.isfinite(found[:, k]).all(axis=1)]
@@ -114,7 +107,7 @@ def test_the_elbow_of_an_arm_that_reaches_over_its_head_hangs_down():
 
 
 def _branch_at(robot, joints):
-    found = all_branches(robot, poses(robot, joints[None]))[0]
+    found = all_branches(robot, nominal_poses(robot, joints[None]))[0]
     return int(np.nanargmin(np.abs(found - joints).max(axis=1)))
 
 
@@ -129,7 +122,7 @@ def test_a_pose_out_of_reach_has_no_branch():
 def test_a_straight_arm_is_still_reached_and_a_little_further_is_not():
     robot = load_robot("abb-irb-120")
     elbow = -np.arctan2(302.0, 70.0)  # upper arm and forearm in one line
-    stretched = poses(robot, np.array([[0.2, 0.6, elbow, 0.0, 0.4, 0.0]]))[0]
+    stretched = nominal_poses(robot, np.array([[0.2, 0.6, elbow, 0.0, 0.4, 0.0]]))[0]
     outward = stretched[:3, 3] - np.array([0.0, 0.0, 290.0])
 
     beyond = stretched.copy()
@@ -142,13 +135,13 @@ def test_a_straight_arm_is_still_reached_and_a_little_further_is_not():
 def test_at_a_wrist_singularity_joint_4_is_zero_and_joint_6_makes_up_for_it():
     robot = load_robot("fanuc-lr-mate-200ic")
     joints = np.array([[0.3, 0.5, 0.2, 0.7, 0.0, -0.4]])
-    wanted = poses(robot, joints)
+    wanted = nominal_poses(robot, joints)
 
     found = all_branches(robot, wanted)[0, :2]
 
     assert np.abs(found[:, 3]).max() == 0.0
     assert found[0, 5] == pytest.approx(0.3, abs=JOINTS)
-    assert np.abs(poses(robot, found) - wanted).max() < POSE
+    assert np.abs(nominal_poses(robot, found) - wanted).max() < POSE
 
 
 @pytest.mark.parametrize("shape", [(), (1,), (2, 3), (0,)])
@@ -169,26 +162,28 @@ def test_what_is_no_pose_is_refused(pose):
 def test_an_arm_of_another_build_is_searched():
     robot = changed(load_robot("universal-robots-ur10"), 5, a_mm=5.0)
     joints = random_joints(robot, 12, seed=4)
-    wanted = poses(robot, joints)
+    wanted = nominal_poses(robot, joints)
 
     found = all_branches(robot, wanted)
 
     there = np.isfinite(found).all(axis=2)
     pose, _ = np.nonzero(there)
     assert not has_closed_form(robot)
-    assert np.abs(poses(robot, found[there]) - wanted[pose]).max() < 1e-6  # where the search stops, mm
+    assert (
+        np.abs(nominal_poses(robot, found[there]) - wanted[pose]).max() < 1e-6
+    )  # where the search stops, mm
     assert nearest(found, joints).max() < 1e-4
     assert np.median(there.sum(axis=1)) >= 6  # such arms have up to eight
 
 
 def test_an_arm_with_seven_axes_reaches_a_pose_in_ways_that_differ():
     joints = random_joints(SEVEN_AXES, 2, seed=5)
-    wanted = poses(SEVEN_AXES, joints)
+    wanted = nominal_poses(SEVEN_AXES, joints)
 
     found = all_branches(SEVEN_AXES, wanted)
 
     assert np.isfinite(found).all()
-    assert np.abs(poses(SEVEN_AXES, found[0]) - wanted[0]).max() < 1e-6
+    assert np.abs(nominal_poses(SEVEN_AXES, found[0]) - wanted[0]).max() < 1e-6
     assert len(np.unique(found[0].round(3), axis=0)) == 8
 
 
@@ -231,10 +226,10 @@ def test_the_branch_of_joints_is_the_one_that_leads_back_to_them(name):
     robot = variants().get(name) or load_robot(name)
     joints = random_joints(robot, 500)
 
-    branches = all_branches(robot, poses(robot, joints))
+    branches = all_branches(robot, nominal_poses(robot, joints))
 
-    apart = np.abs(np.mod(branches - joints[:, None] + np.pi, 2 * np.pi) - np.pi).max(axis=2)
-    assert branch_of(robot, joints).tolist() == np.nanargmin(apart, axis=1).tolist()
+    nearest_one = np.nanargmin(apart_rad(branches, joints[:, None]), axis=1)
+    assert branch_of(robot, joints).tolist() == nearest_one.tolist()
 
 
 @pytest.mark.parametrize("name", [*ARMS, "universal-robots-ur10"])
@@ -257,7 +252,7 @@ def test_an_arm_without_a_closed_form_has_no_numbered_branches():
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_reaches_out_for_what_is_too_far_and_for_nothing_else(name):
     robot = load_robot(name)
-    near = poses(robot, random_joints(robot, 50))
+    near = nominal_poses(robot, random_joints(robot, 50))
     far = near.copy()
     far[:, :3, 3] += 5000.0
 
@@ -272,7 +267,7 @@ def test_an_arm_reaches_out_for_what_is_too_far_and_for_nothing_else(name):
 @pytest.mark.parametrize("name", ARMS)
 def test_one_branch_is_that_of_all_of_them(name):
     robot = load_robot(name)
-    pose = poses(robot, random_joints(robot, 80))
+    pose = nominal_poses(robot, random_joints(robot, 80))
     branch = np.arange(80) % 8
 
     alone = one_branch(robot, pose, branch)
@@ -311,4 +306,4 @@ def test_a_wrist_on_the_first_axis_is_reached_with_whatever_angle_of_that_joint(
 
     reached = found[np.isfinite(found).all(axis=1)]
     assert len(reached)
-    assert poses(robot, reached) == pytest.approx(np.tile(pose, (len(reached), 1, 1)), abs=POSE)
+    assert nominal_poses(robot, reached) == pytest.approx(np.tile(pose, (len(reached), 1, 1)), abs=POSE)

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tests.helpers.kinematics.nominal_poses import apart_rad, nominal_poses
 from truepose.domain.robot import JointRow, Robot
 from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, branch_of, has_closed_form, one_branch
 
 POSE = 1e-7  # mm: doubles carry 16 digits of 1000 mm, and some are lost where branches meet
@@ -58,55 +58,45 @@ def against_each_other():
 ARMS = (*TABLES, "against each other")
 
 
-def poses(robot, joints):
-    chain = nominal_chain(robot, joints)
-    return poses_of(chain.end_rotation, chain.end_origin)
-
-
-def apart(first, second):
-    """Largest difference of joints, whole turns aside."""
-    return np.abs(np.mod(first - second + np.pi, 2 * np.pi) - np.pi).max(axis=-1)
-
-
 @pytest.mark.parametrize("name", ARMS)
 @given(mrad=arrays(np.int64, 6, elements=st.integers(-6283, 6283)))
 def test_every_branch_reaches_the_pose(name, mrad):
     robot = arm(name)
-    wanted = poses(robot, mrad[None] / 1000.0)
+    wanted = nominal_poses(robot, mrad[None] / 1000.0)
 
     found = all_branches(robot, wanted)[0]
 
     there = np.isfinite(found).all(axis=1)
     assert there.any()
-    assert np.abs(poses(robot, found[there]) - wanted).max() < POSE
+    assert np.abs(nominal_poses(robot, found[there]) - wanted).max() < POSE
 
 
 @pytest.mark.parametrize("name", ARMS)
 def test_the_branch_of_joints_leads_back_to_them(name):
     robot = arm(name)
     joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (2000, 6))
-    wanted = poses(robot, joints)
+    wanted = nominal_poses(robot, joints)
 
     branch = branch_of(robot, joints)
 
     assert (
-        apart(one_branch(robot, wanted, branch), joints).max() < 1e-5
+        apart_rad(one_branch(robot, wanted, branch), joints).max() < 1e-5
     )  # half the digits where branches meet
-    assert apart(all_branches(robot, wanted)[np.arange(2000), branch], joints).max() < 1e-5
+    assert apart_rad(all_branches(robot, wanted)[np.arange(2000), branch], joints).max() < 1e-5
     assert len(set(branch)) == 8
 
 
 def test_every_pose_of_quarter_turns_is_reached_though_branches_meet_there():
     robot = arm("UR5e")
     joints = np.array(list(product(*[(-QUARTER, 0.0, QUARTER, np.pi)] * 6)))
-    wanted = poses(robot, joints)
+    wanted = nominal_poses(robot, joints)
 
     found = all_branches(robot, wanted)
 
     there = np.isfinite(found).all(axis=2)
     pose, branch = np.nonzero(there)
     assert there.any(axis=1).all()  # of 4096 poses, half with a locked wrist, a third with a straight elbow
-    assert np.abs(poses(robot, found[pose, branch]) - wanted[pose]).max() < 1e-5
+    assert np.abs(nominal_poses(robot, found[pose, branch]) - wanted[pose]).max() < 1e-5
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -116,14 +106,16 @@ def test_with_parallel_axes_4_and_6_joint_6_is_zero_where_it_can_be(name):
     bent, straight = np.array([0.3, -1.2, 1.4, 0.2, 0.0, 0.9]), np.array([0.3, -1.2, 0.0, 0.2, 0.0, 0.9])
     bent[4] = straight[4] = at_zero
     straight[2] = -robot.joints[2].theta_offset_rad * robot.joints[2].sign
-    wanted = poses(robot, np.array([bent, straight]))
+    wanted = nominal_poses(robot, np.array([bent, straight]))
 
     found = all_branches(robot, wanted)
 
     for branches, pose in zip(found, wanted, strict=True):
         there = np.isfinite(branches).all(axis=1)
         assert there.any()
-        assert np.abs(poses(robot, branches[there]) - pose).max() < 1e-5  # a straight arm: half the digits
+        assert (
+            np.abs(nominal_poses(robot, branches[there]) - pose).max() < 1e-5
+        )  # a straight arm: half the digits
     assert np.nanmin(np.abs(found[0, :, 5])) < 1e-12
     assert np.nanmin(np.abs(found[1, :, 5])) > 0.1
 
@@ -133,7 +125,7 @@ def test_branches_bear_the_names_of_what_the_arm_looks_like(name):
     robot = arm(name)
     joints = np.random.default_rng(1).uniform(-np.pi, np.pi, (300, 6))
 
-    found = all_branches(robot, poses(robot, joints))
+    found = all_branches(robot, nominal_poses(robot, joints))
 
     for k, words in enumerate(BRANCH_NAMES):
         rows = found[:, k][np.isfinite(found[:, k]).all(axis=1)]

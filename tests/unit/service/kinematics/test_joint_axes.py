@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
+from tests.helpers.kinematics.nominal_poses import nominal_poses
 from truepose.domain.robot import JointRow, Robot
 from truepose.exchange.robots.named import list_robots, load_robot
 from truepose.kinematics.chain import nominal_chain
@@ -44,19 +45,14 @@ def assert_same_motion(axes, tip, table, n=20):
     rng = np.random.default_rng(8)
     last = np.linalg.inv(table.frames[-1]) @ tip
     for joints in rng.uniform(-3.0, 3.0, (n, len(axes))):
-        chain = nominal_chain(robot, joints[None])
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = chain.end_rotation[0], chain.end_origin[0]
-        found = table.base @ pose @ last
+        found = table.base @ nominal_poses(robot, joints[None])[0] @ last
         np.testing.assert_allclose(found, turned_about(axes, joints, tip), atol=NANOMETRE)
 
 
 @pytest.mark.parametrize("name", list_robots())
 def test_a_makers_table_comes_back_from_its_axes(name):
     robot = load_robot(name)
-    tip = np.eye(4)
-    chain = nominal_chain(robot, np.zeros((1, robot.n_joints)))
-    tip[:3, :3], tip[:3, 3] = chain.end_rotation[0], chain.end_origin[0]
+    (tip,) = nominal_poses(robot, np.zeros((1, robot.n_joints)))
 
     table = table_of(axes_of(robot, np.random.default_rng(1)), np.eye(4), tip)
 

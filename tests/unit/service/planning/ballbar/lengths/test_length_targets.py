@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
+from tests.helpers.kinematics.nominal_poses import apart_rad, nominal_poses
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import all_branches
-from truepose.planning.ballbar.bodies import chain_of
 from truepose.planning.ballbar.length_targets import aim_joints, aimed_pose
 from truepose.planning.errors import AimError
 
@@ -40,11 +40,8 @@ def test_the_aim_stays_on_the_branch_of_the_pose():
 
 
 def branch(joints):
-    chain = chain_of(CELL, np.array([joints]))
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = chain.end_rotation[0], chain.end_origin[0]
-    apart = np.mod(all_branches(CELL.robot, matrix) - joints + np.pi, 2 * np.pi) - np.pi
-    return int(np.nanargmin(np.abs(apart).max(axis=1)))
+    (pose,) = nominal_poses(CELL.robot, np.array([joints]))
+    return int(np.nanargmin(apart_rad(all_branches(CELL.robot, pose), np.array(joints))))
 
 
 def test_another_model_and_other_cups_are_aimed_at_as_well():
