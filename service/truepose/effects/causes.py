@@ -18,7 +18,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Detail, Shape
-from truepose.effects.ports import Effect, ParameterSpec, Setting
+from truepose.effects.ports import NOTHING, Effect, Need, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain
 from truepose.messages.message import Text, message
 
@@ -383,6 +383,11 @@ def has_spread(column: FloatArray | IntArray | None) -> bool:
     return known.size > 0 and bool(np.ptp(known) > 0)
 
 
-def without_turning(scene: Scene) -> Text | None:
-    """Return why nothing of joints that turn can be seen, None where one does."""
-    return None if scene.turning else message("unseen.no_joint_turns")
+class OfTurningJoints:
+    """What causes have in common that follow the angle of a joint and nothing else."""
+
+    needs: frozenset[Need] = NOTHING
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Need joints that turn."""
+        return None if scene.turning else message("unseen.no_joint_turns")

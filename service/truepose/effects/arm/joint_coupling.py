@@ -14,24 +14,23 @@ from truepose.effects.causes import (
     Candidate,
     Description,
     FittedCause,
+    OfTurningJoints,
     Scene,
     Signature,
-    without_turning,
 )
 from truepose.effects.names import joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
-from truepose.messages.message import Text, message
+from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.messages.message import message
 
 NAME = "joint_coupling"
 _WIDTH = 2e-3  # belief: four times what a wrist with a noticeable coupling shows
 WRIST_JOINTS = 3
 
 
-class JointCoupling:
+class JointCoupling(OfTurningJoints):
     """One factor per pair of a wrist joint and the joint that drags it."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.STEADY})
     signature = Signature(
         OF_SUBJECT,
@@ -50,10 +49,6 @@ class JointCoupling:
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Turn the moved joint by its share of the source's angle: weight sign_m q_s [rad] on its theta."""
         return [Term(k, *_dragged(name, rows)) for k, name in enumerate(names)]
-
-    def unseen(self, scene: Scene) -> Text | None:
-        """Need joints that turn."""
-        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose every other joint that turns as the source of every wrist joint."""

@@ -12,23 +12,22 @@ from truepose.effects.causes import (
     Candidate,
     Description,
     FittedCause,
+    OfTurningJoints,
     Scene,
     Signature,
-    without_turning,
 )
 from truepose.effects.names import joint_name, joint_of, joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
-from truepose.messages.message import Text, message
+from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.messages.message import message
 
 NAME = "joint_gain"
 _WIDTH = 1e-3  # gear ratios are exact; scale errors of encoders stay well below this
 
 
-class JointGain:
+class JointGain(OfTurningJoints):
     """One factor per joint on its own angle."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.STEADY})
     signature = Signature(
         OF_SUBJECT,
@@ -46,10 +45,6 @@ class JointGain:
         """Turn the joint by gain times its own angle: weight q [rad per 1] on its theta."""
         joints = [joint_of(name) for name in names]
         return [Term(k, Port(PortKind.THETA, j), rows.turn_rad[:, j]) for k, j in enumerate(joints)]
-
-    def unseen(self, scene: Scene) -> Text | None:
-        """Need joints that turn."""
-        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each joint that turns."""

@@ -22,12 +22,12 @@ from truepose.effects.causes import (
     Candidate,
     Description,
     FittedCause,
+    OfTurningJoints,
     Scene,
     Signature,
-    without_turning,
 )
 from truepose.effects.names import joint_of_subject, joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.effects.waves import (
     FittedWave,
     fitted_waves,
@@ -40,7 +40,7 @@ from truepose.effects.waves import (
     spoken_order,
     wave_specs,
 )
-from truepose.messages.message import Message, Text, message
+from truepose.messages.message import Message, message
 
 NAME = "joint_harmonics"
 # An IRB 120 with such curves, 1,000 readings: a held-out RMS of 0.231 mm by single waves, of 0.090 mm by the
@@ -52,11 +52,10 @@ _TOLD = 5  # waves of a curve that are told, the largest ones
 _ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
 
 
-class JointHarmonics:
+class JointHarmonics(OfTurningJoints):
     """Waves of any order on any joint."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.STEADY, Trait.WAVES, Trait.AGEING})
     signature = Signature(
         OF_SUBJECT,
@@ -106,10 +105,6 @@ class JointHarmonics:
     def unmodelled(self, setting: Setting, stops: Stops) -> bool:
         """Anywhere: gears and bearings are never round."""
         return True
-
-    def unseen(self, scene: Scene) -> Text | None:
-        """Need joints that turn."""
-        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""
