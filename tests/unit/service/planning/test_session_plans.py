@@ -100,11 +100,11 @@ def test_a_tenth_is_visited_again_and_never_fewer_than_five(n, again):
     assert len({stop.config for stop in stops}) == len(stops)
 
 
-@pytest.mark.parametrize("seed", range(50))
-def test_revisits_come_in_another_order_than_the_first_visits(seed):
-    stops = with_revisits(SPACE, feasible_stops(5), np.random.default_rng(seed))
+def test_revisits_come_in_another_order_than_the_first_visits_whatever_the_seed():
+    for seed in range(50):
+        stops = with_revisits(SPACE, feasible_stops(5), np.random.default_rng(seed))
 
-    assert [stop.repeat_of for stop in stops[5:]] != [1, 2, 3, 4, 5]
+        assert [stop.repeat_of for stop in stops[5:]] != [1, 2, 3, 4, 5], seed
 
 
 def test_a_validation_plan_visits_feasible_configurations_on_short_ways():
