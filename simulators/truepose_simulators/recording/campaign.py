@@ -16,13 +16,14 @@ from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray, move, register
 from truepose_simulators.recording.plan import RecordingRequest, Stops, plan_stops
+from truepose_simulators.recording.rows import Rows
 from truepose_simulators.scenarios.scenario import Scenario
 
 _REGISTRATION_READINGS = 20  # of each fixed nest, before the first stop
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class Readings(Rows):
     """n readings in the world, as the registered tracker gives them."""
 
     position_mm: FloatArray  # (n, 3)
@@ -61,7 +62,7 @@ _PLAN_STREAM, _NOISE_STREAM = 100, 101  # of random numbers, apart from those of
 
 
 @dataclass(frozen=True, slots=True)
-class Points:
+class Points(Rows):
     """Stops with what was read there."""
 
     stops: Stops
@@ -69,13 +70,6 @@ class Points:
     temperature_c: FloatArray  # (n,) as sensed
     readings: Readings
     true_mm: FloatArray  # (n, 3) the nest truly there, without noise and scatter
-
-    def part(self, rows: slice) -> "Points":
-        """Return some of the points."""
-        readings = Readings(self.readings.position_mm[rows], self.readings.u_mm[rows])
-        return Points(
-            self.stops.part(rows), self.nest[rows], self.temperature_c[rows], readings, self.true_mm[rows]
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +140,7 @@ def _generator(cell: Cell, stream: int) -> np.random.Generator:
 
 
 def _read_points(cell: Cell, stops: Stops, tracker: RegisteredTracker, rng: np.random.Generator) -> Points:
-    joints = np.radians(stops.joints_deg)
-    conditions = cell.conditions(joints, stops.direction, stops.time_s, stops.attachment)
+    conditions = stops.conditions(cell)
     n = len(stops)
     true = cell.true_positions(conditions)[np.arange(n), stops.nest - 1]
     scatter, sensor = (

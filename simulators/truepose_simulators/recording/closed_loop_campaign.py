@@ -27,13 +27,17 @@ from truepose_simulators.recording.files import (
     Columns,
     campaign_document,
     decimals,
+    direction_columns,
+    joint_columns,
     points_table,
     true_table,
     whole,
     write_json,
     write_table,
+    write_tables,
 )
-from truepose_simulators.recording.plan import APPROACHES, RecordingRequest, directions
+from truepose_simulators.recording.plan import RecordingRequest, check_approach, directions
+from truepose_simulators.recording.rows import Rows
 from truepose_simulators.scenarios.scenario import Scenario
 
 _STREAM = 103  # 100 to 102 are the tracker's and the ballbar's campaigns
@@ -61,12 +65,11 @@ class LoopRecordingRequest:
     def __post_init__(self) -> None:
         if self.kind not in LOOPS:
             raise ScenarioError(f'there is no closed loop "{self.kind}", only {", ".join(LOOPS)}')
-        if self.approach not in APPROACHES:
-            raise ScenarioError(f'"approach" must be {" or ".join(APPROACHES)}, not "{self.approach}"')
+        check_approach(self.approach)
 
 
 @dataclass(frozen=True, slots=True)
-class Contacts:
+class Contacts(Rows):
     """n readings, one axis each."""
 
     config: NestNumbers  # (n,)
@@ -78,13 +81,6 @@ class Contacts:
     nest: NestNumbers  # (n,) 1-based
     axis: NestNumbers  # (n,) 0 to 2 of a sensor, -1
     reading_mm: FloatArray  # (n,)
-
-    def __len__(self) -> int:
-        return len(self.config)
-
-    def part(self, rows: NestNumbers) -> "Contacts":
-        """Return some of the readings."""
-        return Contacts(*(getattr(self, name)[rows] for name in Contacts.__dataclass_fields__))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,14 +114,12 @@ def record_loop(
     met = _set_up(cell, loop, setup_rng)
     n = wishes.configurations if planned is None else len(planned.nest)
     stands = plan_stands(cell, loop, n + wishes.validation, plan_rng)
-    stands = stands if planned is None else planned.before(stands.last(wishes.validation))
+    if planned is not None:
+        judging = stands.part(slice(len(stands) - wishes.validation, None))
+        stands = LoopConfigurations.joined([planned, judging])
     contacts = _read(cell, loop, met, stands, wishes.approach, noise_rng)
     first = contacts.config <= n
     points = record_in(cell, wishes.tracker, float(contacts.time_s[-1]))[0].validation
-    stops = points.stops
-    true = cell.true_positions(
-        cell.conditions(np.radians(stops.joints_deg), stops.direction, stops.time_s, stops.attachment)
-    )
     return LoopRecording(
         cell=cell,
         loop=loop,
@@ -133,7 +127,7 @@ def record_loop(
         validation=contacts.part(np.flatnonzero(~first)),
         distance_mm=_certified_mm(cell, loop, met, noise_rng),
         points=points,
-        true_points_mm=true,
+        true_points_mm=cell.true_positions(points.stops.conditions(cell)),
     )
 
 
@@ -266,7 +260,6 @@ def _certified_mm(cell: Cell, loop: Loop, met: list[Contact], rng: np.random.Gen
 
 def write_loop(recording: LoopRecording, folder: Path) -> None:
     """Write the folder, which may exist."""
-    folder.mkdir(parents=True, exist_ok=True)
     tables = {
         "contacts": _contacts_table(recording.calibration, recording.loop.u_mm),
         "validation_contacts": _contacts_table(recording.validation, recording.loop.u_mm),
@@ -274,16 +267,14 @@ def write_loop(recording: LoopRecording, folder: Path) -> None:
         "target_distances": _distances_table(recording),
         "validation": points_table(recording.points),
     }
-    present = {name: columns for name, columns in tables.items() if len(next(iter(columns.values()), []))}
-    for name, columns in present.items():
-        write_table(folder / f"{name}.csv", columns)
+    files = write_tables(folder, tables)
     write_table(folder / "true_validation.csv", true_table(recording.true_points_mm))
-    write_json(folder / "campaign.json", _document(recording, [*present]))
+    write_json(folder / "campaign.json", _document(recording, files))
     write_json(folder / "truth.json", plant_document(recording.cell))
 
 
-def _document(recording: LoopRecording, present: list[str]) -> dict[str, Any]:
-    document = campaign_document(recording.cell, {name: f"{name}.csv" for name in present})
+def _document(recording: LoopRecording, files: dict[str, str]) -> dict[str, Any]:
+    document = campaign_document(recording.cell, files)
     document["kind"] = "contacts"
     if not recording.loop.nests_known:
         stated = enumerate(document["tool_nests_mm"], start=1)
@@ -294,12 +285,11 @@ def _document(recording: LoopRecording, present: list[str]) -> dict[str, Any]:
 
 
 def _contacts_table(contacts: Contacts, u_mm: float) -> Columns:
-    n_joints = contacts.joints_deg.shape[1]
     columns = {
         "config": whole(contacts.config),
         # A probe stops the arm anywhere: its joints are read with all that encoders have.
-        **{f"q{j + 1}_deg": decimals(contacts.joints_deg[:, j], 6) for j in range(n_joints)},
-        **{f"dir{j + 1}": whole(contacts.direction[:, j]) for j in range(n_joints)},
+        **joint_columns(contacts.joints_deg, 6),
+        **direction_columns(contacts.direction),
         "time_s": decimals(contacts.time_s, 1),
         "temperature_C": decimals(contacts.temperature_c, 2),
         "target": whole(contacts.target),

@@ -18,6 +18,7 @@ from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 from truepose_simulators.recording.nominal_tables import papers_of_cell
 from truepose_simulators.recording.plan import NoStopsError
+from truepose_simulators.recording.rows import Rows
 
 Vector = tuple[float, float, float]
 
@@ -124,25 +125,12 @@ _LOWEST_MM = 80.0  # no nest of a wire closer to the table
 
 
 @dataclass(frozen=True, slots=True)
-class LoopConfigurations:
+class LoopConfigurations(Rows):
     """m stops of a loop."""
 
     joints_deg: FloatArray  # (m, J) nominal, with the decimals of the file
     nest: NestNumbers  # (m,) 1-based
     placed: NestNumbers  # (m,) index of what is met; of loops that read everything at once 0
-
-    def last(self, n: int) -> "LoopConfigurations":
-        """Return the last n stops."""
-        first = len(self.nest) - n
-        return LoopConfigurations(self.joints_deg[first:], self.nest[first:], self.placed[first:])
-
-    def before(self, others: "LoopConfigurations") -> "LoopConfigurations":
-        """Return these stops and behind them others."""
-        return LoopConfigurations(
-            np.concatenate([self.joints_deg, others.joints_deg]),
-            np.concatenate([self.nest, others.nest]),
-            np.concatenate([self.placed, others.placed]),
-        )
 
 
 def plan_stands(cell: Cell, loop: Loop, count: int, rng: np.random.Generator) -> LoopConfigurations:

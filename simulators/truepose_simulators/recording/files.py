@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -22,15 +23,12 @@ _FORMAT = 1
 
 def write_campaign(recording: Recording, folder: Path) -> None:
     """Write the folder, which may exist; tables that this campaign does not have are not written."""
-    folder.mkdir(parents=True, exist_ok=True)
-    files = {"calibration": "calibration.csv"}
-    write_table(folder / "calibration.csv", points_table(recording.calibration))
-    if len(recording.validation.stops):
-        files["validation"] = "validation.csv"
-        write_table(folder / "validation.csv", points_table(recording.validation))
-    if len(recording.references.time_s):
-        files["reference"] = "reference.csv"
-        write_table(folder / "reference.csv", reference_table(recording.references))
+    tables = {
+        "calibration": points_table(recording.calibration),
+        "validation": points_table(recording.validation),
+        "reference": reference_table(recording.references),
+    }
+    files = write_tables(folder, tables)
     write_json(folder / "campaign.json", campaign_document(recording.cell, files))
     write_json(folder / "truth.json", truth_document(recording))
 
@@ -109,11 +107,10 @@ def truth_document(recording: Recording) -> dict[str, Any]:
 def points_table(points: Points) -> Columns:
     """Columns of a `calibration` or `validation` file."""
     stops, n = points.stops, len(points.stops)
-    n_joints = stops.joints_deg.shape[1]
     columns = {
         "config": whole(np.arange(1, n + 1)),
-        **{f"q{j + 1}_deg": decimals(stops.joints_deg[:, j], 5) for j in range(n_joints)},
-        **{f"dir{j + 1}": whole(stops.direction[:, j]) for j in range(n_joints)},
+        **joint_columns(stops.joints_deg, 5),
+        **direction_columns(stops.direction),
         "time_s": decimals(stops.time_s, 1),
         "temperature_C": decimals(points.temperature_c, 2),
         "attachment": whole(stops.attachment),
@@ -150,6 +147,16 @@ def coordinates(position_mm: FloatArray) -> Columns:
     return {f"{axis}_mm": decimals(position_mm[:, i], 4) for i, axis in enumerate("xyz")}
 
 
+def joint_columns(joints_deg: FloatArray, n: int) -> Columns:
+    """Columns of joint angles, shape (m, J), with n decimals."""
+    return {f"q{joint}_deg": decimals(angles, n) for joint, angles in enumerate(joints_deg.T, start=1)}
+
+
+def direction_columns(direction: FloatArray) -> Columns:
+    """Columns of the directions of approach, shape (m, J)."""
+    return {f"dir{joint}": whole(signs) for joint, signs in enumerate(direction.T, start=1)}
+
+
 def decimals(values: Any, n: int) -> list[str]:
     """Write numbers, shape (m,), with n decimals."""
     return [f"{value:.{n}f}" for value in values]
@@ -160,7 +167,16 @@ def whole(values: Any) -> list[str]:
     return [str(int(value)) for value in values]
 
 
-def write_table(path: Path, columns: Columns) -> None:
+def write_tables(folder: Path, tables: Mapping[str, Columns]) -> dict[str, str]:
+    """Write the tables that have rows into a folder, which may exist; returns their files by name."""
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {name: f"{name}.csv" for name, columns in tables.items() if any(columns.values())}
+    for name, file in files.items():
+        write_table(folder / file, tables[name])
+    return files
+
+
+def write_table(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
     """Write a table with its header line."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -168,6 +184,6 @@ def write_table(path: Path, columns: Columns) -> None:
         writer.writerows(zip(*columns.values(), strict=True))
 
 
-def write_json(path: Path, document: dict[str, Any]) -> None:
+def write_json(path: Path, document: Mapping[str, Any]) -> None:
     """Write a JSON file to be read by people as well."""
     path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -97,14 +97,6 @@ def read_table(path: Path) -> MeasuredTable:
     return MeasuredTable(path.name, dict(zip(header, zip(*rows[1:], strict=True), strict=True)))
 
 
-def write_table(table: MeasuredTable, folder: Path) -> None:
-    """Write the table under its name."""
-    with (folder / table.name).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table.columns)
-        writer.writerows(zip(*table.columns.values(), strict=True))
-
-
 POINTS = ("calibration", "validation")
 REFERENCE = "reference"
 _NAME = "campaign.json"

@@ -8,9 +8,11 @@ from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError, SimulatorError
 from truepose_simulators.instruments.tracker import cosine_to_beam
+from truepose_simulators.physics.effects import Conditions
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 from truepose_simulators.recording.nominal_tables import papers_of_cell
+from truepose_simulators.recording.rows import Rows
 
 APPROACHES = ("mixed", "from_below")
 _CALIBRATION_S = 28.0  # a stop with its way there, settling, search and reading
@@ -47,12 +49,17 @@ class RecordingRequest:
                 raise ScenarioError(f'"{name}" must be {least} or more, not {getattr(self, name)}')
         if not 0 <= self.revisits <= self.configurations:
             raise ScenarioError(f'"revisits" must be 0 to {self.configurations}, not {self.revisits}')
-        if self.approach not in APPROACHES:
-            raise ScenarioError(f'"approach" must be {" or ".join(APPROACHES)}, not "{self.approach}"')
+        check_approach(self.approach)
+
+
+def check_approach(approach: str) -> None:
+    """Raise ScenarioError for a way to come to the stops that there is not."""
+    if approach not in APPROACHES:
+        raise ScenarioError(f'"approach" must be {" or ".join(APPROACHES)}, not "{approach}"')
 
 
 @dataclass(frozen=True, slots=True)
-class Stops:
+class Stops(Rows):
     """n stops in the order in which they are made."""
 
     joints_deg: FloatArray  # (n, J) with the decimals of the file
@@ -62,19 +69,9 @@ class Stops:
     nest: NestNumbers  # (n,) the one that faces the tracker best, 1-based
     repeat_of: NestNumbers  # (n,) number of the stop that is visited again, 0 for a new one
 
-    def __len__(self) -> int:
-        return len(self.time_s)
-
-    def part(self, rows: slice) -> "Stops":
-        """Return some of the stops."""
-        return Stops(
-            self.joints_deg[rows],
-            self.direction[rows],
-            self.time_s[rows],
-            self.attachment[rows],
-            self.nest[rows],
-            self.repeat_of[rows],
-        )
+    def conditions(self, cell: Cell) -> Conditions:
+        """Return the circumstances of the stops in a cell."""
+        return cell.conditions(np.radians(self.joints_deg), self.direction, self.time_s, self.attachment)
 
 
 def plan_stops(cell: Cell, wishes: RecordingRequest, rng: np.random.Generator) -> Stops:

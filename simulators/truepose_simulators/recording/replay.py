@@ -9,7 +9,6 @@ the tracker is not registered anew. Their noise is what the campaign states of e
 scatter what the model states of the arm.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +25,7 @@ from truepose_simulators.physics.effects.effect import COMPONENTS
 from truepose_simulators.physics.effects.thermal_growth import LENGTHS_HOLD_C
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray, motion, move, pose_matrix, small_motion
+from truepose_simulators.recording.files import write_json, write_table
 from truepose_simulators.recording.measured_campaign import (
     POINTS,
     MeasuredTable,
@@ -33,7 +33,6 @@ from truepose_simulators.recording.measured_campaign import (
     read_description,
     read_table,
     tracker_files,
-    write_table,
 )
 
 _COVARIANCE = (("cxx", "cxy", "cxz"), ("cxy", "cyy", "cyz"), ("cxz", "cyz", "czz"))  # mm2
@@ -159,10 +158,10 @@ def write_replay(replayed: Replay, folder: Path) -> None:
     """Write the replayed campaign as a folder, which may exist, with the truth beside it."""
     folder.mkdir(parents=True, exist_ok=True)
     for table in replayed.tables.values():
-        write_table(table, folder)
+        write_table(folder / table.name, table.columns)
     truth = {role: true_mm.tolist() for role, true_mm in replayed.true_mm.items()}
-    _write_json(folder / "campaign.json", replayed.document)
-    _write_json(folder / "truth.json", {**plant_document(replayed.cell), "true_positions_mm": truth})
+    write_json(folder / "campaign.json", replayed.document)
+    write_json(folder / "truth.json", {**plant_document(replayed.cell), "true_positions_mm": truth})
 
 
 class _Tracker:
@@ -253,7 +252,3 @@ def _noted(document: Mapping[str, Any], model: IdentifiedModel, files: Mapping[s
         "files": dict(files),
         "notes": [*(notes if isinstance(notes, list) else []), note],
     }
-
-
-def _write_json(path: Path, document: Mapping[str, Any]) -> None:
-    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -34,6 +34,8 @@ from truepose_simulators.recording.files import (
     campaign_document,
     coordinates,
     decimals,
+    direction_columns,
+    joint_columns,
     points_table,
     reference_table,
     true_table,
@@ -41,8 +43,9 @@ from truepose_simulators.recording.files import (
     whole,
     write_json,
     write_table,
+    write_tables,
 )
-from truepose_simulators.recording.plan import APPROACHES, RecordingRequest
+from truepose_simulators.recording.plan import RecordingRequest, check_approach
 from truepose_simulators.scenarios.scenario import Scenario
 
 _CUP_READINGS = 10  # of each cup: 0.016 mm of one reading become 0.005
@@ -64,8 +67,7 @@ class BallbarRecordingRequest:
     def __post_init__(self) -> None:
         if self.aim_error_mm < 0.0:
             raise ScenarioError(f'"aim_error_mm" must be 0 or more, not {self.aim_error_mm}')
-        if self.approach not in APPROACHES:
-            raise ScenarioError(f'"approach" must be {" or ".join(APPROACHES)}, not "{self.approach}"')
+        check_approach(self.approach)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +126,7 @@ def record_ballbar(
         sides=sides,
         cups=cups,
         tracker=recording,
-        true_validation_mm=_true_validation_mm(cell, recording),
+        true_validation_mm=cell.true_positions(recording.validation.stops.conditions(cell)),
         u_mm=scenario.ballbar.stated_u_mm,
     )
 
@@ -213,20 +215,12 @@ def _check_reach(cell: Cell, tour: Tour) -> None:
             ) from error
 
 
-def _true_validation_mm(cell: Cell, recording: Recording) -> FloatArray:
-    stops = recording.validation.stops
-    return cell.true_positions(
-        cell.conditions(np.radians(stops.joints_deg), stops.direction, stops.time_s, stops.attachment)
-    )
-
-
 def write_ballbar_campaign(recording: BallbarRecording, folder: Path) -> None:
     """Write the folder, which may exist.
 
     `campaign.json` describes the legs; `calibration.csv`, the tracker campaign of the same robot, is a
     campaign of its own with `tracker.json` as its description.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     tracker = recording.tracker
     tables = {
         "legs": _legs_table(recording.legs, recording.u_mm),
@@ -237,12 +231,10 @@ def write_ballbar_campaign(recording: BallbarRecording, folder: Path) -> None:
         "validation": points_table(tracker.validation),
         "reference": reference_table(tracker.references),
     }
-    present = {name: columns for name, columns in tables.items() if len(next(iter(columns.values())))}
-    for name, columns in present.items():
-        write_table(folder / f"{name}.csv", columns)
+    files = write_tables(folder, tables)
     write_table(folder / "true_validation.csv", true_table(recording.true_validation_mm))
-    write_json(folder / "campaign.json", _ballbar_document(recording, [*present]))
-    write_json(folder / "tracker.json", _tracker_document(recording, [*present]))
+    write_json(folder / "campaign.json", _ballbar_document(recording, files))
+    write_json(folder / "tracker.json", campaign_document(recording.cell, _files_of(_OF_POINTS, files)))
     write_json(folder / "truth.json", _truth(recording))
 
 
@@ -250,20 +242,19 @@ _OF_LEGS = frozenset({"legs", "setup", "fixture", "cups", "validation"})
 _OF_POINTS = frozenset({"calibration", "validation", "reference"})
 
 
-def _ballbar_document(recording: BallbarRecording, present: list[str]) -> dict[str, Any]:
+def _files_of(names: frozenset[str], files: dict[str, str]) -> dict[str, str]:
+    return {name: file for name, file in files.items() if name in names}
+
+
+def _ballbar_document(recording: BallbarRecording, files: dict[str, str]) -> dict[str, Any]:
     setup = recording.cell.scenario.ballbar
-    files = {name: f"{name}.csv" for name in present if name in _OF_LEGS}
     return {
-        **campaign_document(recording.cell, files),
+        **campaign_document(recording.cell, _files_of(_OF_LEGS, files)),
         "kind": "ballbar",
         "ballbar_nominal_mm": setup.nominal_mm,
         "ballbar_range_mm": setup.range_mm,
         "setup_u_mm": setup.clamp_mm,
     }
-
-
-def _tracker_document(recording: BallbarRecording, present: list[str]) -> dict[str, Any]:
-    return campaign_document(recording.cell, {name: f"{name}.csv" for name in present if name in _OF_POINTS})
 
 
 def _truth(recording: BallbarRecording) -> dict[str, Any]:
@@ -286,12 +277,11 @@ def _truth(recording: BallbarRecording) -> dict[str, Any]:
 
 
 def _legs_table(legs: Legs, u_mm: float) -> Columns:
-    n_joints = legs.joints_deg.shape[1]
     return {
         "placement": whole(legs.placement),
         "config": whole(legs.config),
-        **_joints(legs.joints_deg),
-        **{f"dir{j + 1}": whole(legs.direction[:, j]) for j in range(n_joints)},
+        **joint_columns(legs.joints_deg, 5),
+        **direction_columns(legs.direction),
         "time_s": decimals(legs.time_s, 1),
         "temperature_C": decimals(legs.temperature_c, 2),
         "attachment": whole(legs.attachment),
@@ -307,7 +297,7 @@ def _setup_table(cups: Cups) -> Columns:
     return {
         "placement": whole(cups.placement),
         "base_point": whole(cups.base_point),
-        **_joints(cups.joints_deg),
+        **joint_columns(cups.joints_deg, 5),
     }
 
 
@@ -329,7 +319,3 @@ def _cups_table(cups: Cups) -> Columns:
         **coordinates(cups.read_mm),
         "u_mm": decimals(cups.u_mm, 4),
     }
-
-
-def _joints(joints_deg: FloatArray) -> Columns:
-    return {f"q{j + 1}_deg": decimals(joints_deg[:, j], 5) for j in range(joints_deg.shape[1])}

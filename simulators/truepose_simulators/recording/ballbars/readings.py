@@ -1,9 +1,7 @@
 """What is read in a ballbar session: sides of triangles, and legs."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import combinations
-from typing import TypeVar
 
 import numpy as np
 
@@ -12,12 +10,11 @@ from truepose_simulators.instruments.accuracy import rounded_mm, walked_zeros_mm
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.recording.ballbars.tour import TRIANGLE_S, PlannedLegs, Tour
-
-T = TypeVar("T", "Sides", "Legs")
+from truepose_simulators.recording.rows import Rows
 
 
 @dataclass(frozen=True, slots=True)
-class Legs:
+class Legs(Rows):
     """n legs that were read, or that were out of range."""
 
     placement: NestNumbers  # (n,)
@@ -33,16 +30,9 @@ class Legs:
     length_mm: FloatArray  # (n,)
     true_mm: FloatArray  # (n,) of the pair that is written down, without noise, scatter and zero
 
-    def __len__(self) -> int:
-        return len(self.length_mm)
-
-    def part(self, rows: NestNumbers) -> "Legs":
-        """Return some of the legs."""
-        return Legs(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
-
 
 @dataclass(frozen=True, slots=True)
-class Sides:
+class Sides(Rows):
     """m sides of triangles that were within range; placement 0 is the tool's."""
 
     placement: NestNumbers  # (m,)
@@ -100,7 +90,7 @@ class BallbarSession:
             sides.append(self._read_base(placement))
             stops = np.flatnonzero((tour.placement == placement) & ~tour.is_setup)
             legs += [self._read_pose(np.flatnonzero(self._legs.stop == stop)) for stop in stops]
-        return _joined(Sides, sides), _joined(Legs, legs)
+        return Sides.joined(sides), Legs.joined(legs)
 
     def _read_tool(self) -> Sides:
         nests = self._cell.true_nests_mm(self._cell.conditions_now())[0]
@@ -170,9 +160,3 @@ class BallbarSession:
             return shown
         noise = self._setup.noise_mm * self._rng.standard_normal(n)
         return rounded_mm(self._setup, shown + noise + walked_zeros_mm(self._setup, n, self._rng))
-
-
-def _joined(cls: type[T], parts: Sequence[T]) -> T:
-    """Return one table of several; each field is an array of as many rows."""
-    names = [field.name for field in fields(cls)]
-    return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
