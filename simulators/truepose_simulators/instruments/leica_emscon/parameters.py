@@ -72,18 +72,26 @@ def wrong_parameter(position: int) -> int:
 
 def _parameter(
     name: str,
-    event: SystemStatusChange,
     defaults: Mapping[str, Value],
     quantities: Mapping[str, Quantity] | None = None,
     checks: Mapping[str, Check] | None = None,
 ) -> Parameter:
-    setter, getter = Command[f"SET_{name}"], Command[f"GET_{name}"]
-    return Parameter(setter, getter, event, defaults, quantities or {}, checks or {})
+    """Return what can be set by SET_`name`; a member with a numbered default takes numbers of its kind."""
+    numbered = {
+        member: _is(type(default)) for member, default in defaults.items() if isinstance(default, IntEnum)
+    }
+    return Parameter(
+        Command[f"SET_{name}"],
+        Command[f"GET_{name}"],
+        SystemStatusChange[f"{name}_CHANGED"],
+        defaults,
+        quantities or {},
+        numbered | dict(checks or {}),
+    )
 
 
 UNITS = _parameter(
     "UNITS",
-    SystemStatusChange.UNITS_CHANGED,
     {
         "len_unit_type": settings.LengthUnit.METER,
         "ang_unit_type": settings.AngleUnit.RADIAN,
@@ -91,55 +99,39 @@ UNITS = _parameter(
         "press_unit_type": settings.PressureUnit.MBAR,
         "hum_unit_type": settings.HumidityUnit.RELATIVE,
     },
-    checks={
-        "len_unit_type": _is(settings.LengthUnit),
-        "ang_unit_type": _is(settings.AngleUnit),
-        "temp_unit_type": _is(settings.TemperatureUnit),
-        "press_unit_type": _is(settings.PressureUnit),
-        "hum_unit_type": _is(settings.HumidityUnit),
-    },
 )
 STATION = _parameter(
     "STATION_ORIENTATION_PARAMS",
-    SystemStatusChange.STATION_ORIENTATION_PARAMS_CHANGED,
     dict.fromkeys(("val1", "val2", "val3", "rot1", "rot2", "rot3"), 0.0),
     {**_COORDINATES, **_ANGLES},
 )
 TRANSFORMATION = _parameter(
     "TRANSFORMATION_PARAMS",
-    SystemStatusChange.TRANSFORMATION_PARAMS_CHANGED,
     {**dict.fromkeys(("val1", "val2", "val3", "rot1", "rot2", "rot3"), 0.0), "scale": 1.0},
     {**_COORDINATES, **_ANGLES},
     {"scale": _POSITIVE},
 )
 ENVIRONMENT = _parameter(
     "ENVIRONMENT_PARAMS",
-    SystemStatusChange.ENVIRONMENT_PARAMS_CHANGED,
     {"temperature": 20.0, "pressure": PRESSURE_HPA, "humidity": HUMIDITY_PERCENT},
     {"temperature": Quantity.TEMPERATURE, "pressure": Quantity.PRESSURE},
     {"humidity": _between(0.0, 100.0)},
 )
 REFRACTION = _parameter(
     "REFRACTION_PARAMS",
-    SystemStatusChange.REFRACTION_PARAMS_CHANGED,
     {"ifm_refraction_index": 1.000271, "adm_refraction_index": 1.000274},
     checks={"ifm_refraction_index": _POSITIVE, "adm_refraction_index": _POSITIVE},
 )
 MODE = _parameter(
     "MEASUREMENT_MODE",
-    SystemStatusChange.MEASUREMENT_MODE_CHANGED,
     {"meas_mode": settings.MeasMode.STATIONARY},
-    checks={"meas_mode": _is(settings.MeasMode)},
 )
 COORDINATES = _parameter(
     "COORDINATE_SYSTEM_TYPE",
-    SystemStatusChange.COORDINATE_SYSTEM_TYPE_CHANGED,
     {"coord_sys_type": settings.CoordinateSystemType.RHR},
-    checks={"coord_sys_type": _is(settings.CoordinateSystemType)},
 )
 STATIONARY = _parameter(
     "STATIONARY_MODE_PARAMS",
-    SystemStatusChange.STATIONARY_MODE_PARAMS_CHANGED,
     {"meas_time": 1000, "use_adm": True},
     # The header allows 500 ms to 100 s on older trackers; an AT40x starts lower.
     checks={"meas_time": _between(100, 100_000)},
@@ -147,7 +139,6 @@ STATIONARY = _parameter(
 # Of an AT901 alone. Regions are not modelled.
 CONTINUOUS_TIME = _parameter(
     "CONTINUOUS_TIME_MODE_PARAMS",
-    SystemStatusChange.CONTINUOUS_TIME_MODE_PARAMS_CHANGED,
     {
         "time_separation": 500,
         "number_of_points": 0,
@@ -158,27 +149,23 @@ CONTINUOUS_TIME = _parameter(
         "time_separation": _between(1, 100_000),
         "number_of_points": _between(0, 2**31 - 1),
         "use_region": lambda value: not value,
-        "region_type": _is(settings.RegionType),
     },
 )
-REFLECTOR = _parameter("REFLECTOR", SystemStatusChange.REFLECTOR_CHANGED, {"internal_reflector_id": 1})
+REFLECTOR = _parameter("REFLECTOR", {"internal_reflector_id": 1})
 SEARCH = _parameter(
     "SEARCH_PARAMS",
-    SystemStatusChange.SEARCH_PARAMS_CHANGED,
     {"search_radius": 50.0, "time_out": 10_000},
     {"search_radius": Quantity.LENGTH},
     {"search_radius": _POSITIVE, "time_out": _between(1, 1_000_000)},
 )
 ADM = _parameter(
     "ADM_PARAMS",
-    SystemStatusChange.ADM_PARAMS_CHANGED,
     {"target_stability_tolerance": 0.005, "retry_time_frame": 500, "number_of_retrys": 3},
     {"target_stability_tolerance": Quantity.LENGTH},
     {"target_stability_tolerance": _POSITIVE},
 )
 SETTINGS = _parameter(
     "SYSTEM_SETTINGS",
-    SystemStatusChange.SYSTEM_SETTINGS_CHANGED,
     {
         "weather_monitor_status": settings.WeatherMonitorStatus.READ_AND_CALCULATE_REFRACTIONS,
         "apply_transformation_params": False,
@@ -191,23 +178,15 @@ SETTINGS = _parameter(
         "has_nivel": True,
         "has_video_camera": False,
     },
-    checks={"weather_monitor_status": _is(settings.WeatherMonitorStatus)},
 )
 STATISTIC = _parameter(
     "STATISTIC_MODE",
-    SystemStatusChange.STATISTIC_MODE_CHANGED,
     {
         "stationary_measurements": settings.StatisticMode.STANDARD,
         "continuous_measurements": settings.StatisticMode.STANDARD,
     },
-    checks={
-        "stationary_measurements": _is(settings.StatisticMode),
-        "continuous_measurements": _is(settings.StatisticMode),
-    },
 )
-COMPENSATION = _parameter(
-    "COMPENSATION", SystemStatusChange.COMPENSATION_CHANGED, {"internal_compensation_id": 1}
-)
+COMPENSATION = _parameter("COMPENSATION", {"internal_compensation_id": 1})
 
 PARAMETERS = (
     UNITS, STATION, TRANSFORMATION, ENVIRONMENT, REFRACTION, MODE, COORDINATES, STATIONARY, CONTINUOUS_TIME,
