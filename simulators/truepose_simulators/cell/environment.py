@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.rigid import FloatArray
+from truepose_simulators.scenarios.table import require_above_0, require_at_least_0
 
 Pace = Literal[0, 1]
 
@@ -73,10 +73,8 @@ class AirSetup:
     sensor_noise_k: float = 0.05
 
     def __post_init__(self) -> None:
-        if self.wave_period_s <= 0.0:
-            raise ScenarioError(f'key "wave_period_s" must be above 0, not {self.wave_period_s}')
-        if self.sensor_noise_k < 0.0:
-            raise ScenarioError(f'key "sensor_noise_k" must be 0 or more, not {self.sensor_noise_k}')
+        require_above_0(self, "wave_period_s")
+        require_at_least_0(self, "sensor_noise_k")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose_simulators.errors import HandsError, ScenarioError
+from truepose_simulators.errors import HandsError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.rigid import FloatArray, motion, move, rotation
+from truepose_simulators.scenarios.table import require_at_least_0
 
 _NOT_THERE = "the base fixture is not there yet: put it down first"
 
@@ -29,9 +30,7 @@ class HandsSetup:
     reach_mm: float = 2.0  # from which its magnet snaps on the ball
 
     def __post_init__(self) -> None:
-        for name in ("place_mm", "place_deg", "play_mm", "reach_mm"):
-            if getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
+        require_at_least_0(self, "place_mm", "place_deg", "play_mm", "reach_mm")
 
 
 @dataclass(frozen=True, slots=True)

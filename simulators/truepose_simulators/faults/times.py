@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose_simulators.errors import ScenarioError
+from truepose_simulators.scenarios.table import require_at_least_0
 
 EVENTS: Final = ("configuration", "move", "reading")
 
@@ -42,7 +43,7 @@ class Lasting(Fault):
 
     def __post_init__(self) -> None:
         Fault.__post_init__(self)
-        not_negative(self, "after_s", "for_s")
+        require_at_least_0(self, "after_s", "for_s")
 
     def end_s(self, begun_s: float) -> float:
         """Return when it ends that began at a cell time."""
@@ -77,10 +78,3 @@ def from_one(fault: object, *names: str) -> None:
     for name in names:
         if getattr(fault, name) < 1:
             raise ScenarioError(f'key "{name}" must be 1 or more, not {getattr(fault, name)}')
-
-
-def not_negative(fault: object, *names: str) -> None:
-    """Raise ScenarioError where a quantity of a fault is below 0."""
-    for name in names:
-        if getattr(fault, name) < 0.0:
-            raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(fault, name)}')

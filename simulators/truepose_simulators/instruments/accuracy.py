@@ -13,6 +13,7 @@ import numpy as np
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.rigid import FloatArray
+from truepose_simulators.scenarios.table import require_above_0, require_at_least_0
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +32,8 @@ class TrackerSetup:
     initialise_s: float = 5.0
 
     def __post_init__(self) -> None:
-        for name in self.__dataclass_fields__:
-            value = getattr(self, name)
-            if isinstance(value, float | int) and value < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {value}')
+        sizes = (name for name in self.__dataclass_fields__ if isinstance(getattr(self, name), float | int))
+        require_at_least_0(self, *sizes)
         freedom = self.noise_degrees_of_freedom
         if freedom is not None and freedom <= 2.0:  # no finite variance to scale to what is stated
             raise ScenarioError(f'key "noise_degrees_of_freedom" must be above 2, not {freedom}')
@@ -50,11 +49,8 @@ class ProbeSetup:
     reach_mm: float = 9000.0  # of the camera on the tracker
 
     def __post_init__(self) -> None:
-        if self.rotation_rad < 0.0:
-            raise ScenarioError(f'key "rotation_rad" must be 0 or more, not {self.rotation_rad}')
-        for name in ("acceptance_deg", "reach_mm"):
-            if getattr(self, name) <= 0.0:
-                raise ScenarioError(f'key "{name}" must be above 0, not {getattr(self, name)}')
+        require_at_least_0(self, "rotation_rad")
+        require_above_0(self, "acceptance_deg", "reach_mm")
         if not any(self.facing):
             raise ScenarioError('key "facing" must not be a zero vector')
 
@@ -128,12 +124,8 @@ class CameraSetup:
     frame_hz: float = 60.0
 
     def __post_init__(self) -> None:
-        for name in ("position_u_mm", "tilt_rad", "nest_mm", "frame_mm", "artefact_mm"):
-            if getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
-        for name in ("reach_mm", "acceptance_deg", "frame_hz"):
-            if getattr(self, name) <= 0.0:
-                raise ScenarioError(f'key "{name}" must be above 0, not {getattr(self, name)}')
+        require_at_least_0(self, "position_u_mm", "tilt_rad", "nest_mm", "frame_mm", "artefact_mm")
+        require_above_0(self, "reach_mm", "acceptance_deg", "frame_hz")
         if self.position_mm[:2] == self.looks_at_mm[:2]:
             raise ScenarioError('keys "position_mm" and "looks_at_mm" must not be one above the other')
 
@@ -156,9 +148,7 @@ class BallbarSetup:
     travel_mm: float = 3.0  # either way, before a magnet lets go
 
     def __post_init__(self) -> None:
-        for name in self.__dataclass_fields__:
-            if getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
+        require_at_least_0(self, *self.__dataclass_fields__)
         if min(self.range_mm, self.resolution_mm) <= 0.0:
             raise ScenarioError('keys "range_mm" and "resolution_mm" must be above 0')
 

@@ -12,6 +12,7 @@ from truepose_simulators.physics.effects.effect import Conditions, Deflection, L
 from truepose_simulators.physics.effects.ports import ArmEffect
 from truepose_simulators.physics.loads import GRAVITY_M_S2, MassChange, gravity_torques, place_masses
 from truepose_simulators.physics.rigid import FloatArray, move
+from truepose_simulators.scenarios.table import require_at_least_0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +64,7 @@ class PlantSizes:
         low, high = self.compliance_factor
         if not 0.0 <= low <= high:
             raise ScenarioError(f'key "compliance_factor" must rise from 0 or more, not {low} to {high}')
-        for name in self.__dataclass_fields__:
-            if name != "compliance_factor" and getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
+        require_at_least_0(self, *(name for name in self.__dataclass_fields__ if name != "compliance_factor"))
 
 
 def draw_motions(arm: Arm, sizes: PlantSizes, rng: np.random.Generator) -> FloatArray:

@@ -13,6 +13,7 @@ from truepose_simulators.instruments.gauges.loop import LoopSetup
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.true_robot import PlantSizes
+from truepose_simulators.scenarios.table import require_at_least_0
 
 _PROTOCOLS = ("open_abb", "rws", "mappdk", "rmi", "ur_rtde", "kuka_variable_proxy")
 _HIGHEST_PORT = 65_535
@@ -52,7 +53,7 @@ class ToolSetup:
             raise ScenarioError('keys "nests_mm" and "facing" must have the same number of entries')
         if not all(any(axis) for axis in self.facing):
             raise ScenarioError('key "facing" must not contain a zero vector')
-        _not_negative(self, "nest_u_mm", "mass_kg")
+        require_at_least_0(self, "nest_u_mm", "mass_kg")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,7 @@ class TableSetup:
     nest_u_mm: float = 0.002
 
     def __post_init__(self) -> None:
-        _not_negative(self, "nest_u_mm")
+        require_at_least_0(self, "nest_u_mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class ArmSetup:
     )
 
     def __post_init__(self) -> None:
-        _not_negative(self, "scatter_mm")
+        require_at_least_0(self, "scatter_mm")
         if self.refusal not in {"hang", "drop"}:
             raise ScenarioError(f'key "refusal" must be "hang" or "drop", not "{self.refusal}"')
         if self.protocol not in _PROTOCOLS:
@@ -127,9 +128,3 @@ class Scenario:
     def check_fault(self, fault: Fault) -> None:
         """Raise ScenarioError when a fault cannot happen in this cell."""
         check_nest(fault, tool_nests=len(self.tool.nests_mm), fixed_nests=len(self.table.fixed_nests_mm))
-
-
-def _not_negative(setup: object, *names: str) -> None:
-    for name in names:
-        if getattr(setup, name) < 0.0:
-            raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(setup, name)}')

@@ -110,6 +110,20 @@ def _number(value: object, where: str) -> float:
     return float(value)
 
 
+def require_at_least_0(table: object, *names: str) -> None:
+    """Raise ScenarioError where one of these values of a table is below 0."""
+    for name in names:
+        if getattr(table, name) < 0.0:
+            raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(table, name)}')
+
+
+def require_above_0(table: object, *names: str) -> None:
+    """Raise ScenarioError where one of these values of a table is not above 0."""
+    for name in names:
+        if getattr(table, name) <= 0.0:
+            raise ScenarioError(f'key "{name}" must be above 0, not {getattr(table, name)}')
+
+
 def _required(field: dataclasses.Field[Any]) -> bool:
     missing = dataclasses.MISSING
     return field.default is missing and field.default_factory is missing
