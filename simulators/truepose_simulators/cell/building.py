@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -77,18 +76,12 @@ def draw_nests(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.
     return stated + u_mm * rng.standard_normal(stated.shape)
 
 
-class Chances(NamedTuple):
-    """What the effects of a cell are drawn with; one of them leaves the others as they are."""
-
-    everyday: np.random.Generator
-    curves: np.random.Generator
-
-
 def draw_effects(
     scenario: Scenario,
     plant: Plant,
     seed: int,
-    chances: Chances,
+    everyday_rng: np.random.Generator,
+    curves_rng: np.random.Generator,
     identified: Sequence[Effect] = (),
 ) -> PlantedEffects:
     """Draw everyday effects and curves and plant the stated ones before them; raises ScenarioError.
@@ -99,11 +92,9 @@ def draw_effects(
     arm, tool_mass = plant.arm, plant.tool_mass
     drawn: tuple[PlantedChange, ...] = ()
     if scenario.everyday is not None:
-        drawn = draw_everyday(
-            scenario.everyday, arm, tool_mass, len(scenario.tool.nests_mm), chances.everyday
-        )
+        drawn = draw_everyday(scenario.everyday, arm, tool_mass, len(scenario.tool.nests_mm), everyday_rng)
     if scenario.curves is not None:
-        drawn = (*drawn, *draw_curves(scenario.curves, arm, chances.curves))
+        drawn = (*drawn, *draw_curves(scenario.curves, arm, curves_rng))
     site = _site(scenario, arm, tool_mass, plant.compliance_rad_per_n_mm, seed)
     return PlantedEffects(site, (*scenario.effects, *drawn), identified)
 

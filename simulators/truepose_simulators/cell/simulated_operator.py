@@ -32,32 +32,25 @@ class OperatorWorkspace(Protocol):
     @property
     def now_s(self) -> float:
         """Present cell time [s]."""
-        ...
 
     @property
     def robot_moves(self) -> bool:
         """Whether the arm is under way."""
-        ...
 
     def nests_at_mm(self, time_s: float) -> FloatArray:
         """Where the tool nests are at a cell time, shape (nests, 3) [world]."""
-        ...
 
     def nests_along_mm(self, motion: JointMotion) -> FloatArray:
         """Where the tool nests come along a motion, shape (m, nests, 3) [world]."""
-        ...
 
     def nest_taken(self, nest: int) -> int:
         """Return the nest that is truly taken for `nest`; another one where labels are swapped."""
-        ...
 
     def cup_taken(self, cup: int) -> int:
         """Return the cup that is truly taken for `cup` now; another one where the person errs."""
-        ...
 
     def wild_mm(self) -> float:
         """By how much a connection made now is read wrong."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,8 +113,8 @@ class Hands:
         self.accidents = 0  # motions that tore a magnet off its ball
         self.motions_attached = 0  # motions that began while the ballbar was on the tool
         self.ball_fitted = False
-        self._ballbar = ballbar
-        self._fixture = fixture
+        self.ballbar = ballbar
+        self.fixture = fixture
         self._workplace = workplace
         self._clamp_mm = clamp_mm
         self._known_to_fit = False
@@ -162,20 +155,20 @@ class Hands:
 
     def follow(self, motion: JointMotion) -> None:
         """See what becomes of the ballbar when the robot moves."""
-        seat = self._ballbar.seat(motion.start_s)
+        seat = self.ballbar.seat(motion.start_s)
         if not isinstance(seat, Span) or seat.second.kind != "nest" or motion.duration_s <= 0.0:
             return
         self.motions_attached += 1
         if seat.first.kind == "nest":
             return  # it travels with the tool
-        cup = self._fixture.cup_mm(seat.first.number, motion.start_s)
+        cup = self.fixture.cup_mm(seat.first.number, motion.start_s)
         way = self._workplace.nests_along_mm(motion)[:, seat.second.number - 1]
-        off_mm = np.abs(np.linalg.norm(way - cup, axis=1) - self._ballbar.nominal_mm)
-        torn = np.flatnonzero(off_mm > self._ballbar.setup.travel_mm)
+        off_mm = np.abs(np.linalg.norm(way - cup, axis=1) - self.ballbar.nominal_mm)
+        torn = np.flatnonzero(off_mm > self.ballbar.setup.travel_mm)
         if len(torn):
             self.accidents += 1
             share = float(torn[0]) / (len(way) - 1)
-            self._ballbar.come_off(motion.start_s + share * motion.duration_s)
+            self.ballbar.come_off(motion.start_s + share * motion.duration_s)
 
     def distance_mm(self, span: Span, time_s: float) -> float:
         """Return the true distance between two balls at a cell time; raises HandsError for a loose cup."""
@@ -184,7 +177,7 @@ class Hands:
 
     def _place_mm(self, ball: Ball, time_s: float) -> FloatArray:
         if ball.kind == "cup":
-            return self._fixture.cup_mm(ball.number, time_s)
+            return self.fixture.cup_mm(ball.number, time_s)
         nests = self._workplace.nests_at_mm(time_s)
         if not 1 <= ball.number <= len(nests):
             raise HandsError(f"there is no nest {ball.number} on the tool: it has {len(nests)}")
@@ -192,7 +185,7 @@ class Hands:
         return place
 
     def _calibrator(self, wish: _Bars) -> None:
-        self._ballbar.put_on_calibrator(_bar_set(wish.bars, "bars"), self._workplace.now_s)
+        self.ballbar.put_on_calibrator(_bar_set(wish.bars, "bars"), self._workplace.now_s)
 
     def _connect(self, leg: _Leg) -> None:
         self._need_bars("base", "a leg")
@@ -210,18 +203,18 @@ class Hands:
         self._put_between(Ball(kind, side.a), Ball(kind, side.b))
 
     def _detach(self, _: _Nothing) -> None:
-        if self._ballbar.seat(self._workplace.now_s) is None:
+        if self.ballbar.seat(self._workplace.now_s) is None:
             raise HandsError("the ballbar is not attached to anything")
-        self._ballbar.take_off(self._workplace.now_s)
+        self.ballbar.take_off(self._workplace.now_s)
 
     def _hold(self, _: _Nothing) -> None:
-        self._ballbar.take_in_hand()
+        self.ballbar.take_in_hand()
 
     def _place_base(self, wish: _Placement) -> None:
         if wish.placement < 1:
             raise HandsError(f"placements count from 1, not {wish.placement}")
         self._need_ballbar_aside("the base fixture is moved")
-        self._fixture.put_down(wish.placement, wish.mark())
+        self.fixture.put_down(wish.placement, wish.mark())
 
     def _fit_ball(self, _: _Nothing) -> None:
         self._need_still("the setting ball is fitted")
@@ -234,7 +227,7 @@ class Hands:
         self._need_still("the setting ball is taken out")
         if not self.ball_fitted:
             raise HandsError("there is no setting ball in the tool")
-        clamped = [cup.base_point for cup in self._fixture.cups if cup.placement == self._fixture.placement]
+        clamped = [cup.base_point for cup in self.fixture.cups if cup.placement == self.fixture.placement]
         self._need_nest_off(clamped, "the setting ball is taken out")
         self.ball_fitted = False
 
@@ -245,27 +238,27 @@ class Hands:
         self._need_ballbar_aside("a cup is clamped")
         now_s = self._workplace.now_s
         ball = self._place_mm(Ball("nest", _BALL_NEST), now_s)
-        self._fixture.clamp(cup.base_point, ball, self._clamp_mm, now_s)
+        self.fixture.clamp(cup.base_point, ball, self._clamp_mm, now_s)
 
     def _pull_cable(self, _: _Nothing) -> None:
-        if not self._ballbar.plugged:
+        if not self.ballbar.plugged:
             raise HandsError("the cable of the ballbar is out already")
-        self._ballbar.plugged = False
+        self.ballbar.plugged = False
 
     def _plug_cable(self, _: _Nothing) -> None:
-        if self._ballbar.plugged:
+        if self.ballbar.plugged:
             raise HandsError("the cable of the ballbar is in already")
-        self._ballbar.plugged = True
+        self.ballbar.plugged = True
 
     def _switch_off(self, _: _Nothing) -> None:
-        if not self._ballbar.switched_on:
+        if not self.ballbar.switched_on:
             raise HandsError("the ballbar is switched off already")
-        self._ballbar.switched_on = False
+        self.ballbar.switched_on = False
 
     def _switch_on(self, _: _Nothing) -> None:
-        if self._ballbar.switched_on:
+        if self.ballbar.switched_on:
             raise HandsError("the ballbar is switched on already")
-        self._ballbar.switched_on = True
+        self.ballbar.switched_on = True
 
     def _put_between(self, first: Ball, second: Ball) -> None:
         """Connect two balls, of a nest the one that is truly taken for it."""
@@ -275,7 +268,7 @@ class Hands:
         self._check_reach(Span(first, second), now_s)
         span = Span(self._taken(first), self._taken(second), self._workplace.wild_mm())
         self._check_reach(span, now_s)
-        self._ballbar.put_between(span)
+        self.ballbar.put_between(span)
 
     def _taken(self, ball: Ball) -> Ball:
         return Ball("nest", self._workplace.nest_taken(ball.number)) if ball.kind == "nest" else ball
@@ -287,7 +280,7 @@ class Hands:
     def _check_reach(self, span: Span, time_s: float) -> None:
         if self._known_to_fit:
             return  # where everything is takes a hundred times longer to find than all the rest
-        nominal, travel = self._ballbar.nominal_mm, self._ballbar.setup.travel_mm
+        nominal, travel = self.ballbar.nominal_mm, self.ballbar.setup.travel_mm
         length = self.distance_mm(span, time_s)
         if abs(length - nominal) > travel:
             raise HandsError(
@@ -302,7 +295,7 @@ class Hands:
         now_s = self._workplace.now_s
         nest = self._place_mm(Ball("nest", _BALL_NEST), now_s)
         for point in base_points:
-            off_mm = float(np.linalg.norm(nest - self._fixture.cup_mm(point, now_s)))
+            off_mm = float(np.linalg.norm(nest - self.fixture.cup_mm(point, now_s)))
             if off_mm < _IN_THE_WAY_MM:
                 raise HandsError(
                     f"the robot holds nest {_BALL_NEST} {off_mm:.1f} mm from cup {point}: have it back off at"
@@ -310,7 +303,7 @@ class Hands:
                 )
 
     def _need_bars(self, bars: BarSet, purpose: str) -> None:
-        if self._ballbar.bars != bars:
+        if self.ballbar.bars != bars:
             raise HandsError(
                 f"the ballbar does not have the bars for {purpose}: put it on the calibrator with the"
                 f" {bars} bars first"
@@ -321,7 +314,7 @@ class Hands:
             raise HandsError(f"the robot moves: wait until it stands still before {deed}")
 
     def _need_ballbar_aside(self, deed: str) -> None:
-        seat = self._ballbar.seat(self._workplace.now_s)
+        seat = self.ballbar.seat(self._workplace.now_s)
         if isinstance(seat, Span):
             raise HandsError(
                 f"the ballbar is between {seat.first} and {seat.second}: detach it before {deed}"
@@ -336,23 +329,14 @@ def _bar_set(text: str, key: str) -> BarSet:
     raise HandsError(f'key "{key}" must be "tool" or "base", not "{text}"')
 
 
-@dataclass(frozen=True, slots=True)
-class Equipment:
-    """Ballbar and fixture, and the hands that hold them."""
-
-    ballbar: Ballbar
-    fixture: Fixture
-    hands: Hands
-
-
 def equip(
     scenario: Scenario,
     planted: Callable[[], PlantedEffects],
     air: Air,
     workplace: OperatorWorkspace,
     seed: np.random.SeedSequence,
-) -> Equipment:
-    """Give the person of a cell their equipment; `planted` returns the effects as they are now."""
+) -> Hands:
+    """Return the hands of the person of a cell; `planted` returns the effects as they are now."""
     handling, readings = (np.random.default_rng(part) for part in seed.spawn(2))
     noise = readings if scenario.noise else None
 
@@ -373,4 +357,4 @@ def equip(
     ballbar = Ballbar(scenario.ballbar, around, noise, handling if scenario.noise else None)
     fixture = Fixture(scenario.hands, shifted_mm, handling)
     hands = Hands(ballbar, fixture, workplace, scenario.ballbar.clamp_mm if scenario.noise else 0.0)
-    return Equipment(ballbar, fixture, hands)
+    return hands

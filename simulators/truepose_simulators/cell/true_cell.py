@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from truepose_simulators.cell.building import Chances, draw_effects, draw_nests, draw_plant, with_model
+from truepose_simulators.cell.building import draw_effects, draw_nests, draw_plant, with_model
 from truepose_simulators.cell.environment import Air, CellClock
 from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.cell.robot import JointMotion, Robot, SpeedLimits, check_range
@@ -63,8 +63,8 @@ class Cell:
         self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
         self._fixed_nests_mm = draw_nests(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
         effects = () if identified is None else identified.effects
-        chances = Chances(everyday_rng, np.random.default_rng(of_curves))
-        self.planted = draw_effects(scenario, self.plant, seed, chances, effects)
+        curves_rng = np.random.default_rng(of_curves)
+        self.planted = draw_effects(scenario, self.plant, seed, everyday_rng, curves_rng, effects)
         phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
         self.air = Air(scenario.air, phase_rad, self._warming_k)
         self._first_frame = place_tracker(scenario.tracker, plant_rng)
@@ -73,8 +73,8 @@ class Cell:
         self.robot = Robot(self.plant.arm, np.radians(scenario.arm.home_deg), scatter_mm, self.rng)
         self._stop: tuple[tuple[float, ...], Rest, FloatArray] | None = None
         self._standing: tuple[tuple[float, ...], FloatArray] | None = None
-        equipment = equip(scenario, lambda: self.planted, self.air, self, of_equipment)
-        self.ballbar, self.fixture, self.hands = equipment.ballbar, equipment.fixture, equipment.hands
+        self.hands = equip(scenario, lambda: self.planted, self.air, self, of_equipment)
+        self.ballbar, self.fixture = self.hands.ballbar, self.hands.fixture
         self.loop = () if scenario.loop is None else self._loop(scenario.loop, of_loop)
         facing = np.array(scenario.tool.facing)
         self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
@@ -147,6 +147,16 @@ class Cell:
         return self.clock.now_s
 
     @property
+    def joints_rad(self) -> FloatArray:
+        """Joint angles now as the controller has them, shape (J,)."""
+        return self.robot.motion.joints_at(self.clock.now_s)
+
+    @property
+    def robot_serial(self) -> str:
+        """Serial number that the robot's controller tells now."""
+        return self.faults.serial("robot", f"SIM-{self.seed}", self.clock.now_s)
+
+    @property
     def robot_moves(self) -> bool:
         """Whether the arm is under way."""
         return self.robot.moving(self.clock.now_s)
@@ -209,7 +219,7 @@ class Cell:
 
     def conditions_now(self) -> Conditions:
         """Circumstances of the arm as it is now."""
-        return self._conditions(self.robot.motion.joints_at(self.clock.now_s)[np.newaxis], self.clock.now_s)
+        return self._conditions(self.joints_rad[np.newaxis], self.clock.now_s)
 
     def fixed_nests_mm(self) -> FloatArray:
         """Where the fixed nests are now [mm, world], shape (nests, 3)."""

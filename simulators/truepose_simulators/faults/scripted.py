@@ -164,12 +164,6 @@ class Faults:
         ]
         return changes[-1] if changes else own
 
-    def bring_back(self, device: str) -> None:
-        """End every exchange of a device: its own serial number answers again."""
-        for given in self.given:
-            if isinstance(given.fault, IdentityChanged) and given.fault.device == device:
-                self.end(given.number)
-
     def smr_missing(self, nest: int, time_s: float) -> bool:
         """Whether tool nest `nest` (1-based) is empty."""
         return any(fault.nest == nest for fault, _ in self.holding(SmrMissing, time_s))

@@ -134,8 +134,9 @@ class ErringOperator:
         """Lay the bar down, plug it in, switch it on, bring back what belongs here."""
         for deed in ("plug_cable", "switch_on", "detach"):
             self.hands(deed)
-        for device in ("ballbar", "robot"):
-            self._cell.faults.bring_back(device)
+        for given in self._cell.faults.given:
+            if isinstance(given.fault, IdentityChanged):
+                self._cell.faults.end(given.number)
         self.foreign_since_s = None
 
     async def _accept(self, serial_number: str) -> None:

@@ -75,17 +75,6 @@ def test_another_device_answers_from_its_moment_on_and_the_last_one_counts():
     assert faults.serial("tracker", "390001", 25.0) == "390001"
 
 
-def test_a_device_that_is_brought_back_answers_with_its_own_number():
-    faults = Faults()
-    faults.add(IdentityChanged("ballbar", "B-9"))
-    faults.add(IdentityChanged("robot", "R-9"))
-
-    faults.bring_back("ballbar")
-
-    assert faults.serial("ballbar", "B-1", 25.0) == "B-1"
-    assert faults.serial("robot", "R-1", 25.0) == "R-9"
-
-
 @pytest.mark.parametrize(
     ("device", "serial"), [("lamp", "1"), ("tracker", "A-1"), ("robot", "é"), ("robot", "x" * 13)]
 )
