@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from truepose_simulators.cell.environment import CellClock, Pace
 from truepose_simulators.cell.journal import RememberedCell
@@ -14,7 +15,7 @@ from truepose_simulators.faults.file import read_faults
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.cable import FaultyCable
 from truepose_simulators.instruments.cell_endpoints import clock_endpoint, faults_endpoint, hands_endpoint
-from truepose_simulators.instruments.endpoint import InstrumentAddress
+from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
 from truepose_simulators.instruments.gauges.length_source import Electronics
 from truepose_simulators.instruments.gauges.nd28x import nd28x_endpoint
@@ -46,6 +47,8 @@ from truepose_simulators.instruments.truth_endpoint import truth_endpoint
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model
+
+Instrument: TypeAlias = Endpoint | EgmStream  # where a client finds an instrument, or is found by it
 
 # Ctrl-C; a service manager; on Windows alone Ctrl-Break, which a closed window is told by as well.
 _ASKING = ("SIGINT", "SIGTERM", "SIGBREAK")
@@ -163,7 +166,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
             await endpoint.close()
 
 
-def _endpoints(cell: RememberedCell) -> list[InstrumentAddress]:
+def _endpoints(cell: RememberedCell) -> list[Instrument]:
     camera = cell.scenario.camera
     controller, newer = _controller(cell)
     bar = Electronics(cell.ballbar, cell.faults, cell.clock)
@@ -184,7 +187,7 @@ def _endpoints(cell: RememberedCell) -> list[InstrumentAddress]:
     ]
 
 
-def _gauges(cell: RememberedCell) -> list[InstrumentAddress]:
+def _gauges(cell: RememberedCell) -> list[Instrument]:
     """Return an endpoint for each gauge of a closed loop: a box of its own."""
     boxes = [Electronics(gauge, cell.faults, cell.clock) for gauge in cell.loop]
     return [keyence_gt2_endpoint([box], f"gauge-{number}") for number, box in enumerate(boxes, start=1)]
@@ -194,7 +197,7 @@ def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:
     return () if path is None else read_faults(path, cell.scenario.check_fault)
 
 
-def _controller(cell: RememberedCell) -> tuple[list[InstrumentAddress], list[InstrumentAddress]]:
+def _controller(cell: RememberedCell) -> tuple[list[Instrument], list[Instrument]]:
     """Return the ports of the robot's controller, in the language of the scenario, and its newer ones."""
     if cell.scenario.arm.protocol == "ur_rtde":
         universal = Controller(cell)
@@ -214,10 +217,10 @@ def _controller(cell: RememberedCell) -> tuple[list[InstrumentAddress], list[Ins
     return _abb(cell)
 
 
-def _abb(cell: RememberedCell) -> tuple[list[InstrumentAddress], list[InstrumentAddress]]:
+def _abb(cell: RememberedCell) -> tuple[list[Instrument], list[Instrument]]:
     abb = AbbController(cell)
     port = cell.scenario.arm.egm_port
-    stream: list[InstrumentAddress] = [] if port is None else [EgmStream(abb, port)]
+    stream: list[Instrument] = [] if port is None else [EgmStream(abb, port)]
     if cell.scenario.arm.protocol == "rws":
         abb.task = program_of(abb)
         return [web_endpoint(cell, abb), *stream], []

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.faults.kinds import LinkCut, LinkFault, LinkHalfOpen
@@ -13,33 +13,20 @@ Ends: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 _IN_VAIN_S = 1.0  # that a word or an attempt to connect takes at pace 0; else no waiting would end a fault
 
 
-class Cable(Protocol):
-    """What an endpoint asks of its cable."""
-
-    async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
-        """Return what the server hears and speaks to; None where nobody can be reached."""
-        ...
-
-    @property
-    def passes(self) -> bool:
-        """Whether a datagram gets through now."""
-        ...
-
-
-class IntactCable:
+class Cable:
     """A cable that nothing happens to."""
 
     async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
-        """Return the ends as they are."""
+        """Return what the server hears and speaks to; None where nobody can be reached."""
         return reader, writer
 
     @property
     def passes(self) -> bool:
-        """Always."""
+        """Whether a datagram gets through now."""
         return True
 
 
-class FaultyCable:
+class FaultyCable(Cable):
     """The cable of a device in a cell; `endpoint` is the device's name, or of a further port of it."""
 
     def __init__(self, endpoint: str, faults: Faults, clock: CellClock) -> None:

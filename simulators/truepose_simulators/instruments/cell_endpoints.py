@@ -104,7 +104,6 @@ class Hands(Protocol):
 
     def do(self, action: str, details: Mapping[str, hands_protocol.Detail]) -> Awaitable[None] | None:
         """Do one thing, or raise SimulatorError with a sentence."""
-        ...
 
 
 def hands_endpoint(hands: Hands) -> Endpoint:
@@ -161,8 +160,7 @@ def _keys(kind: type[Fault]) -> list[dict[str, object]]:
     ]
 
 
-def _list(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    del request
+def _list(_: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     now_s = cell.clock.now_s
     return {"now_s": now_s, "faults": [given.document(now_s) for given in cell.faults.given]}
 

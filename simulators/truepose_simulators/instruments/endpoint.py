@@ -10,7 +10,7 @@ from typing import Final, Protocol
 
 from truepose_drivers.framing import JsonLineError, LineReader, Refusal, encode_refusal
 from truepose_simulators.errors import EndpointUnavailableError
-from truepose_simulators.instruments.cable import Cable, IntactCable
+from truepose_simulators.instruments.cable import Cable
 
 # What a client may send ahead of being read; also the longest line of a protocol of lines.
 _BUFFER_BYTES = 1 << 16
@@ -32,21 +32,6 @@ class Address:
         return json.dumps(asdict(self))
 
 
-class InstrumentAddress(Protocol):
-    """Where a client finds an instrument, or is found by it."""
-
-    device: str
-    cable: Cable
-
-    async def open(self, host: str, port: int) -> Address:
-        """Begin, at a port or at any where that is 0; raises EndpointUnavailableError."""
-        ...
-
-    async def close(self) -> None:
-        """End it."""
-        ...
-
-
 class Endpoint:
     """Listens and hands every connection to `serve`; can stop listening and begin again on its port."""
 
@@ -55,7 +40,7 @@ class Endpoint:
     ) -> None:
         self.device = device
         self.protocol = protocol
-        self.cable: Cable = IntactCable()
+        self.cable = Cable()
         self._serve = serve
         self._buffer_bytes = buffer_bytes
         self._server: asyncio.Server | None = None
@@ -142,20 +127,20 @@ class Writer(Protocol):
 
     def write(self, data: bytes) -> None:
         """Hand over `data`."""
-        ...
 
     async def drain(self) -> None:
         """Wait until it is gone."""
-        ...
 
 
-async def write_with_stall(writer: Writer, data: bytes) -> None:
-    """Write `data` in two halves, with a stall between them."""
-    half = len(data) // 2
-    writer.write(data[:half])
-    await writer.drain()
-    await asyncio.sleep(_STALL_S)
+async def say(writer: Writer, data: bytes, *, stalls: bool) -> None:
+    """Write `data`, on a line that stalls in two halves with a pause between them."""
+    half = len(data) // 2 if stalls else 0
+    if stalls:
+        writer.write(data[:half])
+        await writer.drain()
+        await asyncio.sleep(_STALL_S)
     writer.write(data[half:])
+    await writer.drain()
 
 
 def with_doubled_digit(data: bytes) -> bytes:

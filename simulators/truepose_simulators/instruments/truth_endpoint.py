@@ -103,20 +103,17 @@ def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     return {"positions_mm": positions.tolist()}
 
 
-def _plant(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    del request
+def _plant(_: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     return plant_document(cell)
 
 
-def _robot(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    del request
+def _robot(_: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     motion, now_s = cell.robot.motion, cell.clock.now_s
     rest_s = motion.start_s + motion.duration_s
     return {"now_s": now_s, "rest_s": rest_s, "joints_rad": motion.joints_at(now_s).tolist()}
 
 
-def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    del request
+def _aim(_: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     seen = in_tracker_frame(cell.tracker.frame, cell.fixed_nests_mm())
     return {"fixed_nests_seen_from_tracker_mm": (np.round(seen / _AIM_STEP_MM) * _AIM_STEP_MM).tolist()}
 
@@ -131,8 +128,7 @@ def _fault(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     return {}
 
 
-def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    del request
+def _attach(_: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     cell.mount_tool_anew()
     return {"attachment": cell.attachment}
 

@@ -67,7 +67,6 @@ class Contact(Protocol):
 
         `nest_mm` (n, 3) is the nest in it; c is 1, or 3 of a sensor with three axes.
         """
-        ...
 
 
 @dataclass(frozen=True, slots=True)

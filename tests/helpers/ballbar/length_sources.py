@@ -1,19 +1,10 @@
 """Hand-written stand-ins for the bar and the hands of a simulated cell."""
 
 import math
-from dataclasses import dataclass
 
 from truepose_simulators.errors import SimulatorError
 from truepose_simulators.faults.scripted import Faults
-from truepose_simulators.instruments.gauges.length_source import Electronics
-
-
-@dataclass(frozen=True)
-class FakeSample:
-    deviation_mm: float
-    signal: str
-    temperature_c: float
-    sequence: int
+from truepose_simulators.instruments.gauges.length_source import Electronics, Sample
 
 
 class FakeBar:
@@ -26,10 +17,10 @@ class FakeBar:
         self.temperature_c = 21.37
         self.asked = 0
 
-    def sample(self, time_s: float) -> FakeSample:
+    def sample(self, time_s: float) -> Sample:
         self.asked += 1
         deviation_mm = math.nan if self.signal == "none" else self.deviation_mm
-        return FakeSample(deviation_mm, self.signal, self.temperature_c, self.asked)
+        return Sample(deviation_mm, self.signal, self.asked, self.temperature_c)
 
 
 class FakeHands:

@@ -12,8 +12,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from truepose_simulators.instruments.accuracy import BallbarSetup, snapped_zero_mm
+from truepose_simulators.instruments.gauges.length_source import Sample
 
-Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 BarSet: TypeAlias = Literal["tool", "base"]
 
 # What the display shows at the stops of the transducer, beyond anything within its range.
@@ -22,16 +22,6 @@ _ENDS = 2
 _AWAKE_S = 1.5  # so long a bar that was let go shows its stop before it spares its battery
 # A hand that plays with the bar: mostly run out to its end, now and then through its range.
 _SWAY_RANGES, _SWAY_S = 1.5, 0.8  # about twice the range, either way, and how long one to and fro takes
-
-
-@dataclass(frozen=True, slots=True)
-class BallbarSample:
-    """What the transducer shows at one moment."""
-
-    deviation_mm: float  # longer than the ballbar's own zero is positive; NaN without a signal
-    signal: Signal
-    temperature_c: float
-    sequence: int  # grows with every sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,25 +134,25 @@ class Ballbar:
         """Lose a ball at a cell time, now or later: a magnet lets go."""
         self._comes_off_s = time_s
 
-    def sample(self, time_s: float) -> BallbarSample:
+    def sample(self, time_s: float) -> Sample:
         """Read the transducer at a cell time."""
         self._sequence += 1
         temperature_c = self._around.temperature_c(time_s)
         seat = self.seat(time_s)
         asleep = seat is None and time_s - self._comes_off_s > _AWAKE_S
         if asleep or not self.plugged or not self.switched_on:
-            return BallbarSample(math.nan, "none", temperature_c, self._sequence)
+            return Sample(math.nan, "none", self._sequence, temperature_c)
         if seat is None:  # its spring has run it out
             stop_mm = _AT_STOP * self.setup.range_mm
-            return BallbarSample(stop_mm, "out_of_range", temperature_c, self._sequence)
+            return Sample(stop_mm, "out_of_range", self._sequence, temperature_c)
         shown = self._length_mm(seat, time_s) - self.nominal_mm + self._offset_mm + self._walk_mm
         if self._noise is not None:
             shown += self.setup.noise_mm * float(self._noise.standard_normal())
             shown = round(shown / self.setup.resolution_mm) * self.setup.resolution_mm
         if abs(shown) <= self.setup.range_mm:
-            return BallbarSample(shown, "good", temperature_c, self._sequence)
+            return Sample(shown, "good", self._sequence, temperature_c)
         stop = math.copysign(_AT_STOP * self.setup.range_mm, shown)
-        return BallbarSample(stop, "out_of_range", temperature_c, self._sequence)
+        return Sample(stop, "out_of_range", self._sequence, temperature_c)
 
     def _length_mm(self, seat: Seat, time_s: float) -> float:
         """Return the length before zero and noise; the calibrator is as long as its certificate says."""

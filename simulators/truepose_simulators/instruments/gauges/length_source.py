@@ -1,35 +1,25 @@
 """What the ballbar endpoints ask of the cell: the same bar, whatever protocol speaks for it."""
 
 import math
-from dataclasses import dataclass
-from typing import Literal, Protocol
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol, TypeAlias
 
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.faults.kinds import BallbarFrozen, BallbarTooFast, BallbarZeroJumps, WireFault
 from truepose_simulators.faults.scripted import Faults
 
+Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 
-class Sample(Protocol):
-    """What the bar's transducer shows at one moment."""
 
-    @property
-    def deviation_mm(self) -> float:
-        """Longer than the bar's own zero is positive; NaN without a signal."""
-        ...
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What a gauge's transducer shows at one moment."""
 
-    @property
-    def signal(self) -> Literal["good", "out_of_range", "none"]:
-        """Whether the transducer moves freely, stands at a stop, or says nothing."""
-        ...
-
-    @property
-    def temperature_c(self) -> float:
-        """Temperature of the bar."""
-        ...
-
-    @property
-    def sequence(self) -> int:
-        """Grows with every sample."""
-        ...
+    deviation_mm: float  # longer than the gauge's own zero is positive; NaN without a signal
+    signal: Signal  # whether the transducer moves freely, stands at a stop, or says nothing
+    sequence: int  # grows with every sample
+    temperature_c: float = math.nan  # of the ballbar; a gauge of a closed loop has no thermometer
+    too_fast: bool = False  # for the electronics to count
 
 
 class LengthSource(Protocol):
@@ -38,41 +28,19 @@ class LengthSource(Protocol):
     @property
     def plugged(self) -> bool:
         """Whether its cable is in."""
-        ...
 
     def sample(self, time_s: float) -> Sample:
         """Read the transducer at a cell time."""
-        ...
-
-
-class CellTime(Protocol):
-    """The cell's clock, as far as an instrument needs it."""
-
-    @property
-    def now_s(self) -> float:
-        """Present cell time [s]."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Display:
-    """A sample as the bar's electronics give it."""
-
-    deviation_mm: float
-    signal: Literal["good", "out_of_range", "none"]
-    temperature_c: float
-    sequence: int
-    too_fast: bool = False
 
 
 class Electronics:
     """What stands between transducer and plug: it loses count while the bar is moved too fast."""
 
-    def __init__(self, bar: LengthSource, faults: Faults, clock: CellTime) -> None:
+    def __init__(self, bar: LengthSource, faults: Faults, clock: CellClock) -> None:
         self._bar = bar
         self._faults = faults
         self._clock = clock
-        self._shown: Display | None = None  # last
+        self._shown: Sample | None = None  # last
 
     @property
     def plugged(self) -> bool:
@@ -88,7 +56,7 @@ class Electronics:
         """Return the serial number that it tells; `own` where nobody has exchanged it."""
         return self._faults.serial("ballbar", own, self._clock.now_s)
 
-    def show(self) -> Display:
+    def show(self) -> Sample:
         """Read the transducer now; electronics that hang show what they showed."""
         if self.has(BallbarFrozen) and self._shown is not None:
             return self._shown
@@ -99,10 +67,10 @@ class Electronics:
         """Whether its wire, or whoever is at its keys, does that now."""
         return self._faults.holds(kind, self._clock.now_s)
 
-    def _read(self) -> Display:
+    def _read(self) -> Sample:
         now_s = self._clock.now_s
         sample = self._bar.sample(now_s)
         if self._faults.holds(BallbarTooFast, now_s):
-            return Display(math.nan, "none", sample.temperature_c, sample.sequence, too_fast=True)
+            return replace(sample, deviation_mm=math.nan, signal="none", too_fast=True)
         off_mm = math.fsum(jump.by_mm for jump, _ in self._faults.holding(BallbarZeroJumps, now_s))
-        return Display(sample.deviation_mm + off_mm, sample.signal, sample.temperature_c, sample.sequence)
+        return replace(sample, deviation_mm=sample.deviation_mm + off_mm)

@@ -7,11 +7,12 @@ says, but for what that is uncertain by.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from truepose_simulators.errors import ScenarioError
+from truepose_simulators.instruments.gauges.length_source import Sample
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.contacts import (
     ball_on_gauge_mm,
@@ -21,13 +22,13 @@ from truepose_simulators.physics.contacts import (
     wire_mm,
 )
 from truepose_simulators.physics.rigid import FloatArray, small_motion
+from truepose_simulators.scenarios.table import require_at_least_0
 
 _KINDS: Final = {
     "sphere": ("probe",), "plane": ("probe",), "gauge": ("gauges",), "wire": ("wires",), "ball": ("sensor",),
 }  # fmt: skip
 _SENSOR_AXES: Final = 3
 _FACE_MM: Final = 15.0  # of a fixed gauge
-Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +59,7 @@ class LoopSetup:
         for name in ("places_mm", "normals", "zeros_mm"):
             if len(getattr(self, name)) not in {n, 0 if name != "places_mm" else n}:
                 raise ScenarioError(f'key "{name}" must have {n} entries, one for each of "kinds"')
-        for name in ("placed_u_mm", "placed_u_rad", "paper_u_mm", "noise_mm"):
-            if getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
+        require_at_least_0(self, "placed_u_mm", "placed_u_rad", "paper_u_mm", "noise_mm")
         if min(self.travel_mm, self.resolution_mm) <= 0.0 or not any(self.axis):
             raise ScenarioError('keys "travel_mm" and "resolution_mm" must be above 0, "axis" a direction')
 
@@ -80,16 +79,6 @@ class TrueTarget:
     place_mm: FloatArray
     normal: FloatArray
     zero_mm: float
-
-
-@dataclass(frozen=True, slots=True)
-class GaugeSample:
-    """What a gauge shows at one moment."""
-
-    deviation_mm: float
-    signal: Signal
-    sequence: int
-    temperature_c: float = math.nan  # none has a thermometer
 
 
 def bolt_targets(setup: LoopSetup, rng: np.random.Generator) -> tuple[TrueTarget, ...]:
@@ -128,16 +117,16 @@ class LoopGauge:
     plugged: bool = True
     _sequence: int = field(default=0, init=False)
 
-    def sample(self, time_s: float) -> GaugeSample:
+    def sample(self, time_s: float) -> Sample:
         """Read it now; `time_s` is now."""
         self._sequence += 1
         shown = max(self._travel_mm(target, self.tool()) for target in self.targets)
         if abs(shown) > self.setup.travel_mm:
-            return GaugeSample(math.copysign(self.setup.travel_mm, shown), "out_of_range", self._sequence)
+            return Sample(math.copysign(self.setup.travel_mm, shown), "out_of_range", self._sequence)
         if self.rng is not None:
             shown += self.setup.noise_mm * float(self.rng.standard_normal())
         rounded = round(shown / self.setup.resolution_mm) * self.setup.resolution_mm
-        return GaugeSample(rounded, "good", self._sequence)
+        return Sample(rounded, "good", self._sequence)
 
     def _travel_mm(self, target: TrueTarget, tool: Tool) -> float:
         axis = tool.rotation @ (np.array(self.setup.axis) / np.linalg.norm(self.setup.axis))

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 from truepose_drivers.heidenhain_nd import protocol
 from truepose_simulators.faults.kinds import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
-from truepose_simulators.instruments.endpoint import Endpoint, with_doubled_digit, write_with_stall
-from truepose_simulators.instruments.gauges.length_source import Display, Electronics
+from truepose_simulators.instruments.endpoint import Endpoint, say, with_doubled_digit
+from truepose_simulators.instruments.gauges.length_source import Electronics, Sample
 
 _CHUNK_BYTES = 4096
 _MODEL, _SOFTWARE, _RELEASED = "ND-287", "349797-04", "2001-05-04"
@@ -88,10 +88,10 @@ class Counter:
                 float(typed) * protocol.COUNTS_PER_MM
             )
 
-    def _sample(self) -> Display:
+    def _sample(self) -> Sample:
         return self._bar.show()
 
-    def _count(self, sample: Display) -> int | None:
+    def _count(self, sample: Sample) -> int | None:
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
             return None
         count = round(sample.deviation_mm * protocol.COUNTS_PER_MM) - self._datum
@@ -99,7 +99,7 @@ class Counter:
             return count
         return round(count / protocol.COUNTS_PER_MM / protocol.MM_PER_INCH * protocol.COUNTS_PER_INCH)
 
-    def _lamps(self, sample: Display) -> protocol.Lamps:
+    def _lamps(self, sample: Sample) -> protocol.Lamps:
         out = sample.signal == "out_of_range"
         return protocol.Lamps(
             below=out and sample.deviation_mm < 0.0,
@@ -140,7 +140,7 @@ class Counter:
         return (protocol.Acknowledgement(),)
 
 
-def _error(sample: Display) -> protocol.Line:
+def _error(sample: Sample) -> protocol.Line:
     return protocol.error_line(_TOO_FAST if sample.too_fast else _NO_SIGNAL)
 
 
@@ -180,10 +180,6 @@ def nd28x_endpoint(bar: Electronics) -> Endpoint:
                         b"".join(map(protocol.encode_reply, counter.answer(protocol.Control(protocol.STX))))
                         + said
                     )
-                if bar.has(LineStalls):
-                    await write_with_stall(writer, said)
-                else:
-                    writer.write(said)
-            await writer.drain()
+                await say(writer, said, stalls=bar.has(LineStalls))
 
     return Endpoint("ballbar", "nd28x", serve)

@@ -11,7 +11,7 @@ from truepose_drivers.line_gauges.protocol import NOT_CONNECTED, NOT_CONVERTIBLE
 from truepose_drivers.mitutoyo_eh import protocol as eh
 from truepose_drivers.mitutoyo_serial import protocol as serial
 from truepose_simulators.faults.kinds import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
-from truepose_simulators.instruments.endpoint import Endpoint, with_doubled_digit, write_with_stall
+from truepose_simulators.instruments.endpoint import Endpoint, say, with_doubled_digit
 from truepose_simulators.instruments.gauges.length_source import Electronics
 
 _CHUNK_BYTES: Final = 4096
@@ -54,22 +54,15 @@ class TextBox:
             if not self._gauges[0].plugged:
                 questions = Questions()
                 continue
-            for said in map(self._say, questions.receive(data)):
-                await self._write(writer, said)
-            await writer.drain()
+            for said in map(self._said, questions.receive(data)):
+                await say(writer, said, stalls=self._gauges[0].has(LineStalls))
 
-    def _say(self, line: str) -> bytes:
+    def _said(self, line: str) -> bytes:
         said = self._answer(line)
         if self._gauges[0].has(LineDoublesDigits):
             said = with_doubled_digit(said)
         self._pressed = self._gauges[0].has(BallbarKeyPressed) and not self._pressed
         return said + said if self._pressed else said
-
-    async def _write(self, writer: asyncio.StreamWriter, said: bytes) -> None:
-        if self._gauges[0].has(LineStalls):
-            await write_with_stall(writer, said)
-        else:
-            writer.write(said)
 
 
 def displayed(gauge: Electronics, length_mm: float) -> Value:

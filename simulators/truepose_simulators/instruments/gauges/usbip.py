@@ -27,33 +27,26 @@ class UsbGadget(Protocol):
     @property
     def device(self) -> usb.Device:
         """Its device descriptor."""
-        ...
 
     @property
     def configuration(self) -> usb.Configuration:
         """Its only configuration."""
-        ...
 
     @property
     def plugged(self) -> bool:
         """Whether its cable is in."""
-        ...
 
     def attach(self) -> None:
         """Begin anew, as after a reset of the bus."""
-        ...
 
     def control(self, setup: usb.Setup, data: bytes) -> bytes:
         """Answer a control transfer; raises StallError."""
-        ...
 
     async def ready(self) -> None:
         """Return when the interrupt endpoint has a packet."""
-        ...
 
     def take_packet(self) -> bytes:
         """Return the packet that `ready` waited for."""
-        ...
 
 
 class StandardRequests:

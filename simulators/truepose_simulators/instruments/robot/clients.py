@@ -8,11 +8,18 @@ from typing import Protocol, TypeVar
 
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import EndpointUnavailableError, SimulatorError
-from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.faults.kinds import LineStalls
+from truepose_simulators.instruments.endpoint import Endpoint, Writer, say
 
 _CHUNK_BYTES = 4096
+_BEAT_LOOK_S = 0.05  # between two looks at a beat
 
 Answer = TypeVar("Answer")
+
+
+async def say_to_client(cell: Cell, writer: Writer, data: bytes) -> None:
+    """Write to the client of a robot, whose line may stall."""
+    await say(writer, data, stalls=cell.faults.holds(LineStalls, cell.clock.now_s))
 
 
 class ProgramStoppedError(SimulatorError):
@@ -28,7 +35,6 @@ class Client(Protocol):
 
     def silent_s(self) -> float:
         """How long nothing was heard [s, cell time]; infinite once the connection is gone."""
-        ...
 
 
 class AlwaysThere:
@@ -73,6 +79,37 @@ async def while_listening(
             await listening
 
 
+class ServerProgram:
+    """A controller's program that answers one client at a time; our own can watch whoever asks for it."""
+
+    def __init__(self, cell: Cell, server: str | None = None) -> None:
+        self._cell = cell
+        self._server = server or cell.scenario.arm.server  # instead of which `server` may be stated
+        self.forget_client()
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether the program is our own, which can watch its client."""
+        return self._server == "truepose"
+
+    def forget_client(self) -> None:
+        """Watch nobody: a client that wants to be watched says so."""
+        self._watched_s = 0.0
+        self._client: Client = AlwaysThere()
+
+    async def answer_meanwhile_heard(
+        self, answer: Callable[[Client | None], Awaitable[Answer]], reader: asyncio.StreamReader
+    ) -> Answer:
+        """Return an answer; our own program listens for its client meanwhile, the makers' hear nothing."""
+        if not self.is_ours:
+            return await answer(None)
+        ear = ClientMonitor(self._cell)
+        return await while_listening(answer(ear), ear, reader)
+
+    def _stopped(self, reason: str) -> ProgramStoppedError:
+        return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
+
+
 async def until_client_leaves(reader: asyncio.StreamReader) -> None:
     """Return when the client is gone."""
     while await reader.read(_CHUNK_BYTES):
@@ -94,6 +131,40 @@ async def rest_after(
             cell.halt_robot()
             raise ProgramStoppedError("nothing was heard of the client", drops=True)
     await cell.glide(duration_s)
+
+
+class Heartbeat:
+    """A number that a client has to change all the time for a motion to go on.
+
+    It is looked at every now and then, where the real programs look every step or are told by an interrupt.
+    Where time costs nothing nobody is late.
+    """
+
+    def __init__(self, cell: Cell, beat: Callable[[], int], *, silence_s: float) -> None:
+        self._cell = cell
+        self._beat = beat
+        self._silence_s = silence_s
+
+    async def begins(self) -> bool:
+        """Whether somebody gives a beat from now on, before the silence is too long."""
+        beat, unheard_s = self._beat(), 0.0
+        while self._cell.clock.waits and self._beat() == beat and unheard_s < self._silence_s:
+            await self._cell.clock.sleep(_BEAT_LOOK_S)
+            unheard_s += _BEAT_LOOK_S
+        return unheard_s < self._silence_s
+
+    async def lasts(self, duration_s: float) -> bool:
+        """Whether the beat goes on while the arm moves for so long; raises ArmStoppedError."""
+        beat, unheard_s = self._beat(), 0.0
+        while self._cell.clock.waits and duration_s > _BEAT_LOOK_S:
+            await self._cell.glide(_BEAT_LOOK_S)
+            duration_s -= _BEAT_LOOK_S
+            before, beat = beat, self._beat()
+            unheard_s = unheard_s + _BEAT_LOOK_S if beat == before else 0.0
+            if unheard_s >= self._silence_s:
+                return False
+        await self._cell.glide(duration_s)
+        return True
 
 
 _ACCEPT_PAUSE_S = 0.5

@@ -12,12 +12,12 @@ from truepose_drivers.kuka_variable_proxy import protocol
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, check_range, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError
-from truepose_simulators.faults.kinds import ArmStopped, LineStalls, RobotHangs, RobotRefuses
-from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.faults.kinds import ArmStopped, RobotHangs, RobotRefuses
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.robot.clients import Heartbeat, say_to_client
 from truepose_simulators.instruments.robot.kinematics import flange_angles_deg
 from truepose_simulators.physics.rigid import FloatArray
 
-_LOOK_S = 0.05  # between two looks at the beat; the real program is told by an interrupt
 _PERCENT = 100.0
 _NO_LIMIT = 1e12  # of a speed, in any unit
 _ORIGIN = np.zeros(3)
@@ -35,6 +35,7 @@ class TruePose:
         self.override = 100  # of the controller, as set on its pendant
         self.stopped = False  # by a stop of the arm, before somebody starts it again
         self._cell = cell
+        self._heartbeat = Heartbeat(cell, lambda: self.beat, silence_s=protocol.SILENCE_S)
         self._number = 0
         self._moving: asyncio.Task[None] | None = None
 
@@ -60,7 +61,7 @@ class TruePose:
         number = self.state.begun
         try:
             check_range(self._cell.plant.arm, self._target_rad())
-            if await self._heard_first():
+            if await self._heartbeat.begins():
                 await self._move(number)
             else:
                 self.state = replace(self.state, given_up=number)
@@ -69,14 +70,6 @@ class TruePose:
         except ArmStoppedError:
             self.stopped = True
 
-    async def _heard_first(self) -> bool:
-        """Whether somebody gives a beat; where time costs nothing nobody is late."""
-        beat, unheard_s = self.beat, 0.0
-        while self._cell.clock.waits and self.beat == beat and unheard_s < protocol.SILENCE_S:
-            await self._cell.clock.sleep(_LOOK_S)
-            unheard_s += _LOOK_S
-        return unheard_s < protocol.SILENCE_S
-
     async def _move(self, number: int) -> None:
         fault = self._cell.faults.next_move()
         if isinstance(fault, RobotRefuses):
@@ -84,24 +77,11 @@ class TruePose:
         share = self.percent / _PERCENT * min(self.override, self.most_override) / _PERCENT
         limits = SpeedLimits(_NO_LIMIT, _NO_LIMIT, joint_share=share)
         motion = self._cell.set_off([self._target_rad()], limits, _ORIGIN)
-        if not await self._heard_for(motion.duration_s):
+        if not await self._heartbeat.lasts(motion.duration_s):
             self._cell.halt_robot()
             self.state = replace(self.state, given_up=number)
         elif not isinstance(fault, RobotHangs):
             self.state = replace(self.state, arrived=number)
-
-    async def _heard_for(self, duration_s: float) -> bool:
-        """Whether the beat goes on for so long; raises ArmStoppedError."""
-        beat, unheard_s = self.beat, 0.0
-        while self._cell.clock.waits and duration_s > _LOOK_S:
-            await self._cell.glide(_LOOK_S)
-            duration_s -= _LOOK_S
-            before, beat = beat, self.beat
-            unheard_s = unheard_s + _LOOK_S if beat == before else 0.0
-            if unheard_s >= protocol.SILENCE_S:
-                return False
-        await self._cell.glide(duration_s)
-        return True
 
     def _target_rad(self) -> FloatArray:
         target: FloatArray = np.radians(self.target_deg[: self._cell.plant.arm.n_joints])
@@ -128,9 +108,7 @@ class Variables:
             "$PRO_STATE": self._program_state,
             protocol.Variable.MODE: lambda: "#EX",
             protocol.Variable.DRIVES: lambda: "FALSE" if self._arm_is_stopped() else "TRUE",
-            protocol.Variable.SERIAL: lambda: cell.faults.serial(
-                "robot", f"SIM-{cell.seed}", cell.clock.now_s
-            ),
+            protocol.Variable.SERIAL: lambda: cell.robot_serial,
             protocol.Variable.MODEL: lambda: f'"#{cell.plant.arm.model}"',
             protocol.Variable.SOFTWARE: lambda: '"KS V8.3.0 (simulated)"',
             "$ROBNAME[]": lambda: '"truepose"',
@@ -151,10 +129,6 @@ class Variables:
         return protocol.Answer(
             request.number, protocol.Mode.WRITE, request.value, self._written(name, request.value)
         )
-
-    def joints(self) -> FloatArray:
-        """Return the joint angles of the drawing now, shape (6,) [rad]; the controller counts alike."""
-        return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
 
     def _load_program(self) -> None:
         program = self.program
@@ -191,11 +165,11 @@ class Variables:
         return True
 
     def _axes(self) -> str:
-        shown = np.degrees(self.joints()).tolist()
+        shown = np.degrees(self._cell.joints_rad).tolist()  # the controller counts as the drawing does
         return protocol.encode_axes([*shown, *(0.0 for _ in range(_AXES - len(shown)))], "E6AXIS")
 
     def _position(self) -> str:
-        flange = nominal_flange(self._cell.plant.arm, self.joints()[np.newaxis])[0]
+        flange = nominal_flange(self._cell.plant.arm, self._cell.joints_rad[np.newaxis])[0]
         c_deg, b_deg, a_deg = flange_angles_deg(flange[:3, :3])
         numbers = dict(zip("XYZABC", (*flange[:3, 3].tolist(), a_deg, b_deg, c_deg), strict=True))
         further = {f"E{axis}": 0.0 for axis in range(1, 7)}
@@ -226,19 +200,12 @@ _HANGS_UP_AFTER_S = 30.0  # of silence, wall time
 def proxy_endpoint(cell: Cell, variables: Variables) -> Endpoint:
     """Build the proxy of a cell's robot."""
 
-    async def say(writer: asyncio.StreamWriter, data: bytes) -> None:
-        if cell.faults.holds(LineStalls, cell.clock.now_s):
-            await write_with_stall(writer, data)
-        else:
-            writer.write(data)
-        await writer.drain()
-
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         requests = protocol.RequestReader()
         with contextlib.suppress(protocol.ProxyProtocolError, TimeoutError):  # it hangs up
             while data := await asyncio.wait_for(reader.read(_CHUNK_BYTES), _HANGS_UP_AFTER_S):
                 requests.receive_data(data)
                 while (request := requests.next_message()) is not None:
-                    await say(writer, protocol.encode_answer(variables.answer(request)))
+                    await say_to_client(cell, writer, protocol.encode_answer(variables.answer(request)))
 
     return Endpoint("robot", "kuka_variable_proxy", serve)

@@ -8,6 +8,7 @@ The logger has a task of its own on the controller, so that it tells joints whil
 """
 
 import asyncio
+from functools import partial
 
 import numpy as np
 
@@ -30,17 +31,17 @@ from truepose_drivers.fanuc_mappdk.protocol import (
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, check_range, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError
-from truepose_simulators.faults.kinds import LineStalls, RobotHangs, RobotRefuses
-from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
-    ClientMonitor,
     ProgramStoppedError,
+    ServerProgram,
     one_client_endpoint,
     rest_after,
+    say_to_client,
     until_client_leaves,
-    while_listening,
 )
 from truepose_simulators.instruments.robot.kinematics import (
     UnreachableError,
@@ -64,26 +65,14 @@ _FULL_PERCENT = 100
 _POSITION_WIDTH = 8
 
 
-class MappdkProgram:
+class MappdkProgram(ServerProgram):
     """A KAREL program: what each request does. The controller's `outputs` are those of all its programs."""
 
     def __init__(
         self, cell: Cell, server: str | None = None, *, outputs: dict[str, str] | None = None
     ) -> None:
-        self._cell = cell
-        self._server = server or cell.scenario.arm.server  # instead of which `server` may be stated
+        super().__init__(cell, server)
         self._outputs = {} if outputs is None else outputs
-        self.forget_client()
-
-    @property
-    def is_ours(self) -> bool:
-        """Whether the program is our own, which can watch its client."""
-        return self._server == "truepose"
-
-    def forget_client(self) -> None:
-        """Watch nobody: a client that wants to be watched says so."""
-        self._watched_s = 0.0
-        self._client: Client = AlwaysThere()
 
     async def answer(self, line: str, client: Client | None = None) -> bytes:
         """Carry out a line and return the reply, nothing to a beat.
@@ -123,14 +112,13 @@ class MappdkProgram:
     def _told(self, request: Request) -> Reply:
         match request.name:
             case Command.JOINTS:
-                return encode_joints(displayed_deg(self.joints()).tolist(), _DECIMALS[self._server])
+                return encode_joints(displayed_deg(self._cell.joints_rad).tolist(), _DECIMALS[self._server])
             case Command.POSE:
                 return self._pose()
             case Command.POWER:
                 return Reply(ReplyCode.OK, "0.300000")
             case Command.IDENTITY:
-                serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
-                return encode_identity(self._cell.plant.arm.model, serial, _VERSION)
+                return encode_identity(self._cell.plant.arm.model, self._cell.robot_serial, _VERSION)
             case Command.WATCH:
                 return self._watch(request)
             case Command.SET_ROBOT_OUTPUT | Command.SET_OUTPUT:
@@ -200,16 +188,9 @@ class MappdkProgram:
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)
 
-    def _stopped(self, reason: str) -> ProgramStoppedError:
-        return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
-
     def _flange(self) -> FloatArray:
-        flange: FloatArray = nominal_flange(self._cell.plant.arm, self.joints()[np.newaxis])[0]
+        flange: FloatArray = nominal_flange(self._cell.plant.arm, self._cell.joints_rad[np.newaxis])[0]
         return flange
-
-    def joints(self) -> FloatArray:
-        """Return the joint angles of the drawing now, shape (6,) [rad]."""
-        return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
 
 
 def _joints(values: tuple[float, ...]) -> FloatArray:
@@ -242,7 +223,7 @@ def _endpoint(device: str, protocol: str, cell: Cell, program: MappdkProgram) ->
         writer.write(encode_reply(GREETING))
         await writer.drain()
         try:
-            await _Attendance(cell, program, reader, writer).serve()
+            await _serve(cell, program, reader, writer)
         except ProgramStoppedError as stop:
             if not stop.drops:
                 await until_client_leaves(reader)
@@ -250,38 +231,16 @@ def _endpoint(device: str, protocol: str, cell: Cell, program: MappdkProgram) ->
     return one_client_endpoint(device, protocol, attend, cell)
 
 
-class _Attendance:
-    """One client and the program."""
-
-    def __init__(
-        self, cell: Cell, program: MappdkProgram, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-    ) -> None:
-        self._cell = cell
-        self._program = program
-        self._reader = reader
-        self._writer = writer
-
-    async def serve(self) -> None:
-        """Answer until the client says that it goes, or is gone."""
-        lines = RequestReader()
-        while data := await self._reader.read(_CHUNK_BYTES):
-            lines.receive_data(data)
-            while (line := lines.next_message()) is not None:
-                await self._say(await self._answer(line))
-                if line == Command.EXIT:
-                    await until_client_leaves(self._reader)
-                    return
-
-    async def _answer(self, line: str) -> bytes:
-        """Have the program answer; our own listens for its client meanwhile, the stock one hears nothing."""
-        if not self._program.is_ours:
-            return await self._program.answer(line)
-        ear = ClientMonitor(self._cell)
-        return await while_listening(self._program.answer(line, ear), ear, self._reader)
-
-    async def _say(self, reply: bytes) -> None:
-        if self._cell.faults.holds(LineStalls, self._cell.clock.now_s):
-            await write_with_stall(self._writer, reply)
-        else:
-            self._writer.write(reply)
-        await self._writer.drain()
+async def _serve(
+    cell: Cell, program: MappdkProgram, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> None:
+    """Answer until the client says that it goes, or is gone."""
+    lines = RequestReader()
+    while data := await reader.read(_CHUNK_BYTES):
+        lines.receive_data(data)
+        while (line := lines.next_message()) is not None:
+            answer = partial(program.answer, line)
+            await say_to_client(cell, writer, await program.answer_meanwhile_heard(answer, reader))
+            if line == Command.EXIT:
+                await until_client_leaves(reader)
+                return

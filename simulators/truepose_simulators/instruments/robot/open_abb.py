@@ -14,7 +14,7 @@ import asyncio
 import math
 import time
 from collections.abc import Mapping
-from typing import Protocol
+from functools import partial
 
 import numpy as np
 
@@ -22,17 +22,18 @@ from truepose_drivers.abb_open_abb import protocol
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError, SimulatorError
-from truepose_simulators.faults.kinds import LineStalls, RobotHangs, RobotRefuses
-from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
-    ClientMonitor,
     ProgramStoppedError,
+    ServerProgram,
     one_client_endpoint,
     rest_after,
+    say_to_client,
     until_client_leaves,
-    while_listening,
 )
 from truepose_simulators.instruments.robot.kinematics import UnreachableError, reach, straight_line
 from truepose_simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
@@ -69,44 +70,16 @@ _LOOK_S = 0.1  # between two looks of our program at whether its client is still
 _ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
 
 
-class ProgramState(Protocol):
-    """Whether the controller runs its program; others may stop it."""
-
-    @property
-    def runs(self) -> bool:
-        """Whether it runs."""
-        ...
-
-    @property
-    def speed_percent(self) -> float:
-        """Speed override."""
-        ...
-
-    def restart(self) -> None:
-        """Run it from its beginning, as far as nothing holds the arm."""
-        ...
-
-
-class AlwaysRuns:
-    """A program that nobody else can stop."""
-
-    runs = True
-    speed_percent = 100.0
-
-    def restart(self) -> None:
-        """Do nothing: it runs."""
-
-
 class InvalidPoseError(SimulatorError):
     """A pose whose quaternion has no length."""
 
 
-class MotionProgram:
+class MotionProgram(ServerProgram):
     """The RAPID program: its variables and what each code does."""
 
-    def __init__(self, cell: Cell, controller: ProgramState | None = None) -> None:
-        self._cell = cell
-        self._controller = controller or AlwaysRuns()
+    def __init__(self, cell: Cell, controller: AbbController | None = None) -> None:
+        super().__init__(cell)
+        self._controller = controller or AbbController(cell)
         self.restart()
 
     def restart(self) -> None:
@@ -120,16 +93,6 @@ class MotionProgram:
         self._buffer: list[tuple[FloatArray, SpeedLimits]] = []
         self._last_code = 0
         self.forget_client()
-
-    @property
-    def is_ours(self) -> bool:
-        """Whether the program is our own, which can watch its client."""
-        return self._cell.scenario.arm.server == "truepose"
-
-    def forget_client(self) -> None:
-        """Watch nobody: a client that wants to be watched says so."""
-        self._watched_s = 0.0
-        self._client: Client = AlwaysThere()
 
     async def answer(self, data: bytes, client: Client | None = None) -> bytes | None:
         """Carry out what one receive delivered and return the reply, None for the wish to close (code 99).
@@ -185,10 +148,8 @@ class MotionProgram:
                 position = [protocol.rapid_number(value, 2) for value in numbers[:3]]
                 return " ".join([*position, *(protocol.rapid_number(value, 3) for value in numbers[3:])])
             case protocol.Code.GET_JOINTS:
-                decimals = _ANGLE_DECIMALS[self._cell.scenario.arm.server]
-                return " ".join(
-                    protocol.rapid_number(float(angle), decimals) for angle in np.degrees(self.joints())
-                )
+                decimals, joints_deg = _ANGLE_DECIMALS[self._server], np.degrees(self._cell.joints_rad)
+                return " ".join(protocol.rapid_number(float(angle), decimals) for angle in joints_deg)
             case protocol.Code.GET_SPEED:
                 turning = math.degrees(self._limits.orientation_rad_s)
                 return (
@@ -199,9 +160,8 @@ class MotionProgram:
             case protocol.Code.BUFFER_LENGTH:
                 return str(len(self._buffer))
             case protocol.Code.CONTROLLER_INFO:
-                serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
                 own = f"*{protocol.OUR_SERVER}" if self.is_ours else ""
-                return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}{own}"
+                return f"{self._cell.robot_serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}{own}"
         return ""
 
     def _set(self, code: int, values: FloatArray) -> None:
@@ -250,28 +210,18 @@ class MotionProgram:
         if not self._controller.runs or share <= 0.0:
             raise self._stopped("the program stands, or its speed override at 0 %")
         slowed = SpeedLimits(limits.tool_mm_s * share, limits.orientation_rad_s * share, joint_share=share)
-        await self._rest_after(self._cell.set_off(waypoints, slowed, self._tool[:3, 3]).duration_s)
+        duration_s = self._cell.set_off(waypoints, slowed, self._tool[:3, 3]).duration_s
+        await rest_after(self._cell, duration_s, self._client, watched_s=self._watched_s, look_s=_LOOK_S)
         if not self._controller.runs:
             raise self._stopped("the program was stopped on the way")
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)
 
-    async def _rest_after(self, duration_s: float) -> None:
-        """Wait for the end of a motion; a watched one is given up when its client falls silent."""
-        await rest_after(self._cell, duration_s, self._client, watched_s=self._watched_s, look_s=_LOOK_S)
-
-    def _stopped(self, reason: str) -> ProgramStoppedError:
-        return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
-
     def pose(self) -> list[float]:
         """Return x y z [mm] and the quaternion, w first, of the present tool in the present work object."""
-        flange = nominal_flange(self._cell.plant.arm, self.joints()[np.newaxis])[0]
+        flange = nominal_flange(self._cell.plant.arm, self._cell.joints_rad[np.newaxis])[0]
         frame = inverse(self._work_object) @ flange @ self._tool
         return [*frame[:3, 3].tolist(), *to_quaternion(frame[:3, :3]).tolist()]
-
-    def joints(self) -> FloatArray:
-        """Return the joint angles now, shape (6,) [rad]."""
-        return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
 
 
 def _pose(values: FloatArray) -> FloatArray:
@@ -292,7 +242,7 @@ def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
         program.forget_client()
         while data := await reader.read(_CHUNK_BYTES):
             try:
-                reply = await _answer(program, data, reader, cell)
+                reply = await program.answer_meanwhile_heard(partial(program.answer, data), reader)
             except ProgramStoppedError as stop:
                 if not stop.drops:
                     await until_client_leaves(reader)
@@ -300,23 +250,9 @@ def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
                 return
             if reply is None:
                 return
-            if cell.faults.holds(LineStalls, cell.clock.now_s):
-                await write_with_stall(writer, reply)
-            else:
-                writer.write(reply)
-            await writer.drain()
+            await say_to_client(cell, writer, reply)
 
     return one_client_endpoint("robot", "open_abb", attend, cell)
-
-
-async def _answer(
-    program: MotionProgram, data: bytes, reader: asyncio.StreamReader, cell: Cell
-) -> bytes | None:
-    """Have the program answer; our own listens for its client meanwhile, open_abb's hears nothing."""
-    if not program.is_ours:
-        return await program.answer(data)
-    ear = ClientMonitor(cell)
-    return await while_listening(program.answer(data, ear), ear, reader)
 
 
 def logger_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
@@ -329,7 +265,7 @@ def logger_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
         try:
             while not gone.done():
                 elapsed_s = cell.clock.now_s
-                numbers = program.pose() if kind == 0 else np.degrees(program.joints()).tolist()
+                numbers = program.pose() if kind == 0 else np.degrees(cell.joints_rad).tolist()
                 writer.write(
                     protocol.encode_log_line(
                         protocol.LogLine(kind, date, clock_time, elapsed_s, tuple(numbers))

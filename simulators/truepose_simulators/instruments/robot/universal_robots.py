@@ -29,6 +29,7 @@ from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, n
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import EmergencyStop, ProtectiveStop, RobotHangs, RobotRefuses
+from truepose_simulators.instruments.robot.clients import Heartbeat
 from truepose_simulators.physics.rigid import FloatArray, to_rotation_vector
 
 SOFTWARE = (3, 15, 8, 106339)  # of the CB series
@@ -66,7 +67,6 @@ class Controller:
         self.safety_mode = SafetyMode.NORMAL
         self.runtime_state = RuntimeState.STOPPED
         self.clock_stands = False  # states are sent, and none is newer
-        self.on_stop: Callable[[], None] = lambda: None  # of whatever program runs
         self.listeners: list[Callable[[str], None]] = []
         self._timestamp_s = 0.0
 
@@ -78,7 +78,7 @@ class Controller:
             case "target_q":
                 return tuple(self.cell.robot.target_rad.tolist())
             case "actual_q":
-                return tuple(self._joints().tolist())
+                return tuple(self.cell.joints_rad.tolist())
             case "actual_TCP_pose":
                 return self._flange()
             case "safety_mode":
@@ -96,12 +96,6 @@ class Controller:
             return SafetyMode.PROTECTIVE_STOP
         return self.safety_mode
 
-    def stop(self, safety_mode: SafetyMode) -> None:
-        """Stop the arm and the program, as a protective stop or an emergency stop does."""
-        self.safety_mode = safety_mode
-        self.on_stop()
-        self.cell.halt_robot()
-
     def tell(self, message: str) -> None:
         """Say something to whoever listens."""
         for listener in self.listeners:
@@ -113,15 +107,11 @@ class Controller:
             self._timestamp_s = asyncio.get_running_loop().time()
         return self._timestamp_s
 
-    def _joints(self) -> FloatArray:
-        return self.cell.robot.motion.joints_at(self.cell.clock.now_s)
-
     def _flange(self) -> tuple[float, ...]:
-        frame = nominal_flange(self.cell.plant.arm, self._joints()[np.newaxis])[0]
+        frame = nominal_flange(self.cell.plant.arm, self.cell.joints_rad[np.newaxis])[0]
         return (*(frame[:3, 3] / _MM_PER_M).tolist(), *to_rotation_vector(frame[:3, :3]).tolist())
 
 
-_LOOK_S = 0.05  # between two looks at the beat; the real program looks every step
 _AT_REST_S = 0.5  # which the maker's `is_steady` waits for
 _MOVEJ = re.compile(r"movej\(\s*\[([^\]]*)\][^)]*\)")
 _AS_FAST_AS_JOINTS = SpeedLimits(math.inf, math.inf)
@@ -134,8 +124,8 @@ class Programs:
     def __init__(self, controller: Controller) -> None:
         self._controller = controller
         self._cell = controller.cell
+        self._heartbeat = Heartbeat(self._cell, lambda: self._order().beat, silence_s=SILENCE_S)
         self._running: asyncio.Task[None] | None = None
-        controller.on_stop = self.stop
 
     def stop(self) -> None:
         """End the program; the arm is left to whoever asks."""
@@ -161,7 +151,7 @@ class Programs:
         self._controller.runtime_state = RuntimeState.PLAYING
         self._answer(BEGUN, order.number)
         try:
-            if await self._heard_first(order.beat):
+            if await self._heartbeat.begins():
                 await self._carry_out(order)
             else:
                 self._answer(GIVEN_UP, order.number)
@@ -169,43 +159,19 @@ class Programs:
             self._controller.tell(str(error))
         self._controller.runtime_state = RuntimeState.STOPPED
 
-    async def _heard_first(self, beat: int) -> bool:
-        """Whether somebody gives a beat; where time costs nothing nobody is late."""
-        unheard_s = 0.0
-        while self._cell.clock.waits and unheard_s < SILENCE_S:
-            if self._order().beat != beat:
-                return True
-            await self._cell.clock.sleep(_LOOK_S)
-            unheard_s += _LOOK_S
-        return not self._cell.clock.waits
-
     async def _carry_out(self, order: Order) -> None:
         fault = self._cell.faults.next_move()
         if isinstance(fault, RobotRefuses):
             raise TargetOutOfRangeError("the target was refused")
         limits = SpeedLimits(order.tool_speed_mm_s, order.turning_speed_rad_s)
         motion = self._cell.set_off([np.array(order.target_rad)], limits, _ORIGIN)
-        if not await self._heard_for(motion.duration_s + _AT_REST_S):
+        if not await self._heartbeat.lasts(motion.duration_s + _AT_REST_S):
             self._cell.halt_robot()
             self._answer(GIVEN_UP, order.number)
             return
         if isinstance(fault, RobotHangs):
             await asyncio.Event().wait()
         self._answer(ARRIVED, order.number)
-
-    async def _heard_for(self, duration_s: float) -> bool:
-        """Whether the beat goes on for so long; raises ArmStoppedError."""
-        clock = self._cell.clock
-        beat, unheard_s = self._order().beat, 0.0
-        while clock.waits and duration_s > _LOOK_S:
-            await self._cell.glide(_LOOK_S)
-            duration_s -= _LOOK_S
-            before, beat = beat, self._order().beat
-            unheard_s = unheard_s + _LOOK_S if beat == before else 0.0
-            if unheard_s >= SILENCE_S:
-                return False
-        await self._cell.glide(duration_s)
-        return True
 
     async def _run_movej(self, joints: str) -> None:
         target = _numbers(joints)

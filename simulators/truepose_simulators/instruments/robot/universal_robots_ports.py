@@ -197,7 +197,7 @@ class Dashboard:
         self._controller = controller
         self._programs = programs
         self._answers: dict[str, Callable[[], str]] = {
-            protocol.SERIAL_NUMBER: self._serial,
+            protocol.SERIAL_NUMBER: lambda: controller.cell.robot_serial,
             protocol.ROBOT_MODEL: lambda: controller.cell.plant.arm.model,
             "PolyscopeVersion": lambda: "URSoftware " + ".".join(map(str, SOFTWARE)),
             "robotmode": lambda: f"Robotmode: {controller.robot_mode.name}",
@@ -216,10 +216,6 @@ class Dashboard:
         """Return the answer to a question or command."""
         answer = self._answers.get(line)
         return f"could not understand: '{line}'" if answer is None else answer()
-
-    def _serial(self) -> str:
-        cell = self._controller.cell
-        return cell.faults.serial("robot", f"SIM-{cell.seed}", cell.clock.now_s)
 
     def _plays(self) -> bool:
         return self._controller.runtime_state is RuntimeState.PLAYING

@@ -23,7 +23,6 @@ class ArmEffect(Protocol):
 
     def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
         """Return what the effect adds under these conditions and loads."""
-        ...
 
 
 @runtime_checkable
@@ -32,7 +31,6 @@ class MassEffect(Protocol):
 
     def mass_changes(self, conditions: Conditions) -> Sequence[MassChange]:
         """Return what is there besides the stated masses."""
-        ...
 
 
 @runtime_checkable
@@ -41,7 +39,6 @@ class NestEffect(Protocol):
 
     def nest_offsets_mm(self, conditions: Conditions) -> FloatArray:
         """Return offsets in the last frame, shape (n, nests, 3)."""
-        ...
 
 
 @runtime_checkable
@@ -50,7 +47,6 @@ class FrameEffect(Protocol):
 
     def frame_motion(self, time_s: FloatArray) -> FloatArray:
         """Return `[tx ty tz rx ry rz]` [mm, rad] about the world's origin, shape (n, 6)."""
-        ...
 
 
 @runtime_checkable
@@ -59,7 +55,6 @@ class ScaleEffect(Protocol):
 
     def relative_scale(self, time_s: FloatArray) -> FloatArray:
         """Return by which share lengths are read too long, shape (n,)."""
-        ...
 
 
 @runtime_checkable
@@ -68,7 +63,6 @@ class LengthEffect(Protocol):
 
     def relative_length(self, time_s: FloatArray) -> FloatArray:
         """Return by which share they are read too long, shape (n,)."""
-        ...
 
 
 @runtime_checkable
@@ -77,7 +71,6 @@ class ZeroEffect(Protocol):
 
     def zero_mm(self, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray) -> FloatArray:
         """Return by how much lengths are read too long `since_s` after an initialisation, shape (n,)."""
-        ...
 
 
 @runtime_checkable
@@ -86,7 +79,6 @@ class FixtureEffect(Protocol):
 
     def fixture_motion(self, placement: NestNumbers, time_s: FloatArray) -> FloatArray:
         """Return `[tx ty tz rx ry rz]` [mm, rad] about the world's origin, shape (n, 6)."""
-        ...
 
 
 @runtime_checkable
@@ -95,7 +87,6 @@ class AirEffect(Protocol):
 
     def warming_k(self, time_s: FloatArray) -> FloatArray:
         """Return by how much it is warmer [K], shape (n,)."""
-        ...
 
 
 @runtime_checkable
@@ -104,7 +95,6 @@ class LabelEffect(Protocol):
 
     def nests_read(self, nest: NestNumbers, time_s: FloatArray, rng: np.random.Generator) -> NestNumbers:
         """Return which nests (1-based) were read under the labels `nest`, shape (n,)."""
-        ...
 
 
 @runtime_checkable
@@ -113,7 +103,6 @@ class ReadingEffect(Protocol):
 
     def displacement_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return by how much each reading is off, shape (n, 3)."""
-        ...
 
 
 Effect: TypeAlias = (

@@ -8,7 +8,7 @@ import base64
 import hashlib
 import math
 from collections.abc import Callable, Mapping
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.http import HttpRequest, HttpResponse
 from truepose_drivers.abb_rws.protocol import NO_AXIS, ControllerState, State, number, number_text
 from truepose_simulators.cell.robot import nominal_flange
+from truepose_simulators.instruments.endpoint import Writer
 from truepose_simulators.instruments.robot.abb_rws.controller import (
     ROBOTWARE,
     AbbController,
@@ -99,7 +100,7 @@ class Answers:
 
     def _identity(self) -> list[State]:
         own = {
-            "ctrl-id": self._controller.serial,
+            "ctrl-id": self._controller.cell.robot_serial,
             "ctrl-name": "simulated",
             "ctrl-type": "Virtual Controller",
         }
@@ -115,8 +116,7 @@ class Answers:
         return [_state("rap-task-li", active="On", motiontask="TRUE", **task)]
 
     def _joints_deg(self) -> list[float]:
-        cell = self._controller.cell
-        joints_deg: list[float] = np.degrees(cell.robot.motion.joints_at(cell.clock.now_s)).tolist()
+        joints_deg: list[float] = np.degrees(self._controller.cell.joints_rad).tolist()
         return joints_deg
 
     def _joint_target(self) -> list[State]:
@@ -186,16 +186,6 @@ _CLASSES: Final[Mapping[str, tuple[str, str]]] = {
     protocol.SYMBOL_DATA: ("rap-data", "value"),
     "/rw/iosystem/signals/": ("ios-signalstate-ev", "lvalue"),
 }
-
-
-class Writer(Protocol):
-    """What is needed of a stream."""
-
-    def write(self, data: bytes) -> None:
-        """Hand over `data`."""
-
-    async def drain(self) -> None:
-        """Wait until it is gone."""
 
 
 class Subscriptions:

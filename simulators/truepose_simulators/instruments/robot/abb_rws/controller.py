@@ -4,7 +4,7 @@ import asyncio
 import math
 from collections.abc import Coroutine
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -38,10 +38,11 @@ class Event:
     description: str
 
 
-class Task(Protocol):
-    """The RAPID program of the arm's task."""
+class Task:
+    """The RAPID program of the arm's task; this one is served elsewhere: open_abb's, with its own sockets."""
 
-    variables: dict[str, str]
+    def __init__(self) -> None:
+        self.variables: dict[str, str] = {}
 
     def start(self) -> None:
         """Run on from where the program stands."""
@@ -51,22 +52,6 @@ class Task(Protocol):
 
     def written(self, name: str) -> None:
         """Notice that somebody wrote a variable."""
-
-
-class ServedElsewhere:
-    """A program that is no part of this: open_abb's, with its own sockets."""
-
-    def __init__(self) -> None:
-        self.variables: dict[str, str] = {}
-
-    def start(self) -> None:
-        """Do nothing more than stand as running."""
-
-    def stop(self) -> None:
-        """Do nothing more than stand as stopped."""
-
-    def written(self, name: str) -> None:
-        """Do nothing: it has no variables."""
 
 
 class AbbController:
@@ -82,7 +67,7 @@ class AbbController:
         self.signals: dict[str, str] = {}
         self.files: dict[str, bytes] = {}
         self.events: list[Event] = []
-        self.task: Task = ServedElsewhere()
+        self.task = Task()
 
     @property
     def state(self) -> protocol.ControllerState:
@@ -109,11 +94,6 @@ class AbbController:
     def runs(self) -> bool:
         """Whether the program runs."""
         return self.execution is protocol.Execution.RUNNING
-
-    @property
-    def serial(self) -> str:
-        """Serial number of the controller."""
-        return self.cell.faults.serial("robot", f"SIM-{self.cell.seed}", self.cell.clock.now_s)
 
     def limits(self, tool_mm_s: float, turning_deg_s: float) -> SpeedLimits:
         """Return speeds under the override."""
@@ -178,7 +158,7 @@ _NO_AXES = protocol.array_text((protocol.NO_AXIS,) * 6)
 _JOINTS = 6
 
 
-class _Motions:
+class _Motions(Task):
     """What both programs do with the arm: one motion at a time, on a task of the event loop."""
 
     def __init__(self, controller: AbbController) -> None:

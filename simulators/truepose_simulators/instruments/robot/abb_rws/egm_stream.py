@@ -13,7 +13,7 @@ import numpy as np
 from truepose_drivers.abb_egm.protocol import COUNTED_TO, Motors, Rapid, RobotFrame, encode_robot
 from truepose_drivers.abb_rws.protocol import ControllerState
 from truepose_simulators.errors import EndpointUnavailableError
-from truepose_simulators.instruments.cable import Cable, IntactCable
+from truepose_simulators.instruments.cable import Cable
 from truepose_simulators.instruments.endpoint import Address
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 
@@ -25,7 +25,7 @@ class EgmStream:
 
     def __init__(self, controller: AbbController, computer_port: int) -> None:
         self.device = "robot-egm"
-        self.cable: Cable = IntactCable()
+        self.cable = Cable()
         self._controller = controller
         self._computer_port = computer_port
         self._sending: asyncio.Task[None] | None = None
@@ -63,11 +63,10 @@ class EgmStream:
     def frame(self) -> RobotFrame:
         """Return what is sent now."""
         cell = self._controller.cell
-        joints_rad = cell.robot.motion.joints_at(cell.clock.now_s)
         return RobotFrame(
             sequence=next(self._numbers) % COUNTED_TO,
             time_ms=int(1000.0 * asyncio.get_running_loop().time()) % COUNTED_TO,
-            joints_deg=tuple(np.degrees(joints_rad).tolist()),
+            joints_deg=tuple(np.degrees(cell.joints_rad).tolist()),
             planned_deg=tuple(np.degrees(cell.robot.target_rad).tolist()),
             motors=Motors.ON if self._controller.state is ControllerState.MOTORS_ON else Motors.OFF,
             rapid=Rapid.RUNNING if self._controller.runs else Rapid.STOPPED,

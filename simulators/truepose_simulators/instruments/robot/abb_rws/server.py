@@ -7,8 +7,7 @@ import secrets
 
 from truepose_drivers.abb_rws import http, protocol
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.kinds import LineStalls
-from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.robot.abb_rws.answers import (
     POLL,
     Answers,
@@ -17,6 +16,7 @@ from truepose_simulators.instruments.robot.abb_rws.answers import (
     switching,
 )
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, RefusedError
+from truepose_simulators.instruments.robot.clients import say_to_client
 
 _CHUNK_BYTES = 16_384
 _REALM = "validusers@robapi.abb"
@@ -122,9 +122,4 @@ async def _converse(
                 writer.write(switching(answer))
                 await services.subscriptions.tell(request.path, reader, writer)
                 return
-            said = http.encode_response(answer)
-            if cell.faults.holds(LineStalls, cell.clock.now_s):
-                await write_with_stall(writer, said)
-            else:
-                writer.write(said)
-        await writer.drain()
+            await say_to_client(cell, writer, http.encode_response(answer))

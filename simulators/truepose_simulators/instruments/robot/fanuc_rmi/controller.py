@@ -19,7 +19,6 @@ from truepose_simulators.instruments.robot.fanuc_rmi.registers import (
     six_in,
 )
 from truepose_simulators.instruments.robot.kinematics import displayed_deg
-from truepose_simulators.physics.rigid import FloatArray
 
 Fields = Mapping[str, object]
 _AXES = 9  # that are stated of every arm
@@ -103,10 +102,6 @@ class Controller:
         self.on_abort()
         self.cell.halt_robot()
 
-    def joints(self) -> FloatArray:
-        """Return the joint angles of the drawing now, shape (6,) [rad]."""
-        return self.cell.robot.motion.joints_at(self.cell.clock.now_s)
-
     def select(self, stated: Packet) -> None:
         """Make the frames active that a packet names, as far as it does; raises RefusedError."""
         user = stated.whole("UFrameNumber") if "UFrameNumber" in stated.fields else self.frames.user_number
@@ -177,12 +172,12 @@ class Controller:
         return {"TimeTag": self._time_ms}
 
     def _joint_angles(self, _: Packet) -> Fields:
-        shown = [round(angle, 3) + 0.0 for angle in displayed_deg(self.joints()).tolist()]
+        shown = [round(angle, 3) + 0.0 for angle in displayed_deg(self.cell.joints_rad).tolist()]
         axes = encode_axes([*shown, *(0.0 for _ in range(_AXES - len(shown)))])
         return {**self._tagged(), "JointAngle": axes}
 
     def _position(self, _: Packet) -> Fields:
-        return {**self._tagged(), **self.frames.stated(self.frames.position(self.joints()))}
+        return {**self._tagged(), **self.frames.stated(self.frames.position(self.cell.joints_rad))}
 
     def _tool_speed(self, _: Packet) -> Fields:
         return {**self._tagged(), "Speed": round(self._travelled_mm() / _MOMENT_S, 3)}

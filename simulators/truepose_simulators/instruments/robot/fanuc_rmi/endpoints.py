@@ -6,10 +6,8 @@ import contextlib
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.framing import JsonLineError, LineReader
-from truepose_simulators.errors import SimulatorError
-from truepose_simulators.faults.kinds import LineStalls
-from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
-from truepose_simulators.instruments.robot.clients import one_client_endpoint
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.robot.clients import one_client_endpoint, say_to_client
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
 
@@ -23,8 +21,10 @@ def session_endpoint(controller: Controller, program: RmiMove) -> Endpoint:
     async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         program.tell = lambda packet: writer.write(protocol.encode(packet))
         try:
-            await _Attendance(controller, program, reader, writer).serve()
+            with contextlib.suppress(JsonLineError):  # no end of line in sight: the controller hangs up
+                await _serve(controller, program, reader, writer)
         finally:
+            controller.lose_client()
             program.tell = lambda _: None
 
     return one_client_endpoint("robot-session", "rmi_session", attend, controller.cell)
@@ -59,52 +59,21 @@ def _packet(line: bytes) -> protocol.Packet:
         return protocol.Packet(protocol.Kind.COMMAND, "Unknown")
 
 
-class _ClientLeavesError(SimulatorError):
-    """The client said that it goes."""
-
-
-class _Attendance:
-    """One client and the controller."""
-
-    def __init__(
-        self,
-        controller: Controller,
-        program: RmiMove,
-        reader: asyncio.StreamReader,
-        writer: asyncio.StreamWriter,
-    ) -> None:
-        self._controller = controller
-        self._program = program
-        self._reader = reader
-        self._writer = writer
-
-    async def serve(self) -> None:
-        """Answer until the client says that it goes, or is gone."""
-        lines = LineReader()
-        try:
-            while data := await self._reader.read(_CHUNK_BYTES):
-                lines.receive_data(data)
-                while (line := lines.next_message()) is not None:
-                    await self._take(_packet(line))
-        except (_ClientLeavesError, JsonLineError):  # or no end of line in sight: the controller hangs up
-            return
-        finally:
-            self._controller.lose_client()
-
-    async def _take(self, packet: protocol.Packet) -> None:
-        if packet.name == protocol.Session.DISCONNECT:
-            self._controller.end()
-            await self._say(protocol.reply(packet))
-            raise _ClientLeavesError
-        if packet.kind is protocol.Kind.INSTRUCTION:
-            self._program.take(packet)
-            await self._writer.drain()
-        else:
-            await self._say(self._controller.answer(packet))
-
-    async def _say(self, packet: protocol.Packet) -> None:
-        if self._controller.cell.faults.holds(LineStalls, self._controller.cell.clock.now_s):
-            await write_with_stall(self._writer, protocol.encode(packet))
-        else:
-            self._writer.write(protocol.encode(packet))
-        await self._writer.drain()
+async def _serve(
+    controller: Controller, program: RmiMove, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> None:
+    """Answer until the client says that it goes, or is gone."""
+    lines = LineReader()
+    while data := await reader.read(_CHUNK_BYTES):
+        lines.receive_data(data)
+        while (line := lines.next_message()) is not None:
+            packet = _packet(line)
+            if packet.name == protocol.Session.DISCONNECT:
+                controller.end()
+                await say_to_client(controller.cell, writer, protocol.encode(protocol.reply(packet)))
+                return
+            if packet.kind is protocol.Kind.INSTRUCTION:
+                program.take(packet)
+                await writer.drain()
+            else:
+                await say_to_client(controller.cell, writer, protocol.encode(controller.answer(packet)))

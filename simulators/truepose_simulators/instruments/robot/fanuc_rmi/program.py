@@ -168,26 +168,26 @@ class RmiMove:
         stated = instruction.part("JointAngle")
         shown = np.array([stated.number(joint) for joint in _JOINTS])
         if "Relative" in instruction.name:
-            shown += displayed_deg(self._controller.joints())
+            shown += displayed_deg(self._cell.joints_rad)
         return joints_rad(shown)
 
     def _flange_target(self, instruction: Packet, which: str = "") -> FloatArray:
         self._controller.select(instruction.part(f"{which}Configuration"))
         frames, position = self._controller.frames, six_in(instruction.part(f"{which}Position"))
         if "Relative" in instruction.name:
-            here = frames.position(self._controller.joints())
+            here = frames.position(self._cell.joints_rad)
             position = tuple(a + b for a, b in zip(here, position, strict=True))
         return frames.flange(position)
 
     def _reached(self, flange: FloatArray) -> FloatArray:
-        return reach(self._cell.plant.arm, flange, self._controller.joints())
+        return reach(self._cell.plant.arm, flange, self._cell.joints_rad)
 
     async def _go_straight(self, flanges: Sequence[FloatArray], instruction: Packet) -> None:
         speed_mm_s = _speed(instruction, "mmSec", 1e5) * self._override()
         await self._move(list(self._lines(flanges)), SpeedLimits(speed_mm_s, _NO_LIMIT))
 
     def _lines(self, flanges: Sequence[FloatArray]) -> Iterator[FloatArray]:
-        arm, joints = self._cell.plant.arm, self._controller.joints()
+        arm, joints = self._cell.plant.arm, self._cell.joints_rad
         start = nominal_flange(arm, joints[None])[0]
         for begun, ended in pairwise([start, *flanges]):
             for frame in straight_line(begun, ended):
