@@ -16,13 +16,23 @@ from truepose_simulators.scenarios.model_file import load_model
 
 
 @pytest.fixture
-def load(tmp_path: Path) -> Callable[..., Any]:
+def write_model(tmp_path: Path) -> Callable[[dict[str, Any]], Path]:
+    """Return what writes a document as a model file."""
+
+    def write(document: dict[str, Any]) -> Path:
+        path = tmp_path / "robot.json"
+        path.write_text(json.dumps(document))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def load(write_model: Callable[[dict[str, Any]], Path]) -> Callable[..., Any]:
     """Return what writes a model file with these parameters and loads it; keywords replace keys."""
 
     def write_and_load(*parameters: tuple[str, str, float, str], **changes: Any) -> Any:
-        path = tmp_path / "robot.json"
-        path.write_text(json.dumps(model_document(*parameters, **changes)))
-        return load_model(path)
+        return load_model(write_model(model_document(*parameters, **changes)))
 
     return write_and_load
 

@@ -1,7 +1,5 @@
 """The simulated cell with an identified robot in the place of its own."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -13,26 +11,14 @@ from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.model_file import load_model
 
 SEVENTH = {"joint": 7, "alpha_deg": 90.0, "a_mm": 0.0, "theta_offset_deg": 0.0, "d_mm": 80.0}
 
 
 @pytest.fixture
-def write(tmp_path):
-    def model(*parameters, **changes):
-        path = tmp_path / "robot.json"
-        path.write_text(json.dumps(model_document(*parameters, **changes)))
-        return path
-
-    return model
-
-
-@pytest.fixture
-def make_cell(write):
+def make_cell(load):
     def cell(*parameters, scenario="irb120-clean", seed=1, **changes):
-        model = load_model(write(*parameters, **changes))
-        return Cell(load_scenario(scenario), seed, CellClock(0), model)
+        return Cell(load_scenario(scenario), seed, CellClock(0), load(*parameters, **changes))
 
     return cell
 
@@ -118,8 +104,12 @@ def test_gaps_in_the_proportions_of_six_joints_are_not_planted_in_seven(make_cel
         ({"effects": ["outliers"]}, "effect outliers: the simulated physics has none of that name"),
     ],
 )
-def test_a_model_that_cannot_be_driven_is_refused_before_anything_listens(write, capsys, changes, sentence):
-    assert main(["irb120-clean", "--model", str(write(**changes))]) == 2
+def test_a_model_that_cannot_be_driven_is_refused_before_anything_listens(
+    write_model, capsys, changes, sentence
+):
+    model = write_model(model_document(**changes))
+
+    assert main(["irb120-clean", "--model", str(model)]) == 2
 
     said = capsys.readouterr()
     assert sentence in said.err

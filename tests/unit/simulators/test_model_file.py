@@ -4,29 +4,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.unit.simulators.model_documents import AT_THE_WORLD, model_document, robot_document
+from tests.unit.simulators.model_documents import AT_THE_WORLD, robot_document
 from truepose_simulators.errors import ModelError
 from truepose_simulators.scenarios.model_file import load_model
 
 
-@pytest.fixture
-def load(tmp_path):
-    def write_and_load(document):
-        path = tmp_path / "robot.json"
-        path.write_text(json.dumps(document))
-        return load_model(path)
-
-    return write_and_load
-
-
 def test_angles_come_out_of_the_file_in_radians(load):
     model = load(
-        model_document(
-            ("geometry", "theta_2", 90.0, "deg"),
-            ("geometry", "a_3", 0.25, "mm"),
-            ("base_drift", "drift_linear_rx", 180.0, "deg/h"),
-            base_in_world={**AT_THE_WORLD, "x_mm": 10.0, "rz_deg": 90.0},
-        )
+        ("geometry", "theta_2", 90.0, "deg"),
+        ("geometry", "a_3", 0.25, "mm"),
+        ("base_drift", "drift_linear_rx", 180.0, "deg/h"),
+        base_in_world={**AT_THE_WORLD, "x_mm": 10.0, "rz_deg": 90.0},
     )
 
     assert model.table.rows[1].alpha_rad == pytest.approx(-np.pi / 2)
@@ -37,7 +25,7 @@ def test_angles_come_out_of_the_file_in_radians(load):
 
 
 def test_what_older_files_lack_is_as_if_it_were_nothing(load):
-    model = load(model_document(repeatability_mm=None))
+    model = load(repeatability_mm=None)
 
     assert (model.origin_s, model.repeatability_mm, model.sensed_torques) == (0.0, 0.0, False)
     assert model.table.limits_rad is None
@@ -46,14 +34,20 @@ def test_what_older_files_lack_is_as_if_it_were_nothing(load):
 def test_keys_of_later_programs_are_passed_over(load):
     robot = robot_document(colour="orange", joint_limits_deg=[[-165, 165]] * 6)
 
-    model = load(model_document(robot=robot, origin_s=12.5, mood="good"))
+    model = load(robot=robot, origin_s=12.5, mood="good")
 
     assert model.origin_s == 12.5
     assert model.table.limits_rad == pytest.approx(np.radians([[-165, 165]] * 6))
 
 
 def test_effects_without_parameters_are_kept_so_that_they_can_be_refused(load):
-    assert load(model_document(effects=["label_swap"])).parameters == {"label_swap": {}}
+    assert load(effects=["label_swap"]).parameters == {"label_swap": {}}
+
+
+def with_third_joint(**changes):
+    robot = robot_document()
+    robot["dhm_nominal"][2] |= changes
+    return robot
 
 
 @pytest.mark.parametrize(
@@ -78,40 +72,28 @@ def test_effects_without_parameters_are_kept_so_that_they_can_be_refused(load):
         ),
         ({"base_in_world": {**AT_THE_WORLD, "x_mm": "far"}}, 'base_in_world: key "x_mm" must be a number'),
         ({"effects": "geometry"}, 'key "effects" must be a list'),
+        ({"robot": with_third_joint(sign=0)}, 'key "sign" of a joint must be 1 or -1'),
+        ({"robot": with_third_joint(beta_deg=0.01)}, "joint 3 has a nominal beta"),
     ],
 )
 def test_a_file_that_cannot_be_meant_is_refused_by_key(load, changes, sentence):
     with pytest.raises(ModelError) as refused:
-        load(model_document(**changes))
+        load(**changes)
 
     assert sentence in str(refused.value)
     assert "robot.json" in str(refused.value)
 
 
-def test_a_joint_that_counts_neither_way_is_refused(load):
-    robot = robot_document()
-    robot["dhm_nominal"][2]["sign"] = 0
-
-    with pytest.raises(ModelError, match='key "sign" of a joint must be 1 or -1'):
-        load(model_document(robot=robot))
-
-
-def test_a_nominal_beta_is_refused_and_not_passed_over(load):
-    robot = robot_document()
-    robot["dhm_nominal"][2]["beta_deg"] = 0.01
-
-    with pytest.raises(ModelError, match="joint 3 has a nominal beta"):
-        load(model_document(robot=robot))
-
-
-def test_a_unit_that_nobody_wrote_is_refused(load):
-    with pytest.raises(ModelError, match='the unit "inch" of a_2 is none of mm, rad'):
-        load(model_document(("geometry", "a_2", 1.0, "inch")))
-
-
-def test_a_value_that_is_no_number_is_refused(load):
-    with pytest.raises(ModelError, match='parameters number 1: key "value" must be a finite number'):
-        load(model_document(("geometry", "a_2", float("nan"), "mm")))
+@pytest.mark.parametrize(
+    ("value", "unit", "sentence"),
+    [
+        (1.0, "inch", 'the unit "inch" of a_2 is none of mm, rad'),
+        (float("nan"), "mm", 'parameters number 1: key "value" must be a finite number'),
+    ],
+)
+def test_a_parameter_that_means_nothing_is_refused(load, value, unit, sentence):
+    with pytest.raises(ModelError, match=sentence):
+        load(("geometry", "a_2", value, unit))
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b"\xff\xfe", b"[" * 100_000])
@@ -122,14 +104,14 @@ def test_a_file_that_is_cut_off_or_no_json_is_refused(tmp_path, content):
         load_model(tmp_path / "robot.json")
 
 
-def test_a_file_that_was_edited_is_refused_and_named(load):
+def test_a_file_that_was_edited_is_refused_and_named(write_model):
     vector = json.loads(Path("tests/vectors/model_digest.json").read_text(encoding="utf-8"))
     as_written = vector["document"] | {"digest": vector["digest"]}
 
     with pytest.raises(ModelError, match='key "tool_nests" is missing'):
-        load(as_written)
+        load_model(write_model(as_written))
     with pytest.raises(ModelError, match=r"robot\.json was edited after truepose wrote it"):
-        load(as_written | {"values": [1e-07, 0.2, -0.0, 1e22, True]})
+        load_model(write_model(as_written | {"values": [1e-07, 0.2, -0.0, 1e22, True]}))
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):

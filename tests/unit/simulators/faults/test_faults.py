@@ -5,7 +5,6 @@ from truepose_simulators.faults.kinds import (
     BeamBroken,
     FixedNestMoved,
     IdentityChanged,
-    RobotHangs,
     RobotRefuses,
     SmrMissing,
     TrackerBlinded,
@@ -36,14 +35,6 @@ def test_counts_begin_when_the_fault_is_given():
 
     assert [type(item) for item in readings] == [TrackerSilent, type(None)]
     assert [type(item) for item in moves] == [type(None), RobotRefuses]
-
-
-def test_readings_and_moves_are_counted_apart():
-    faults = Faults()
-    faults.add(RobotHangs(move=1))
-
-    assert faults.next_reading() is None
-    assert isinstance(faults.next_move(), RobotHangs)
 
 
 def test_states_hold_between_their_times():

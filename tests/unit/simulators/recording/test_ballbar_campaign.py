@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.unit.simulators.hands.deeds import POSE, SETUPS, clamp_all, move
 from truepose_simulators.cell.environment import CellClock
-from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.accuracy import BallbarSetup
@@ -20,16 +20,7 @@ from truepose_simulators.scenarios.file import load_scenario
 
 TILTED = load_scenario("lrmate-tilted")
 NOISE_FREE = replace(TILTED, noise=False)
-# Set-ups of an LR Mate hold the ball of nest 1 at corners 300 mm apart; the poses stand above them.
-SETUPS = [
-    [-58.48574, 79.58569, 65.86075, -33.78310, -80.99835, -0.30652],
-    [-7.36556, 15.04747, 61.63422, -10.50180, -26.94399, 3.73691],
-    [52.10598, 57.72268, 66.68768, 33.82612, -65.95850, -0.76965],
-]
-POSES = [
-    [-88.51593, -5.05317, 137.36035, 136.23349, 92.19679, 15.52431],
-    [-11.16534, 12.98009, 37.42969, 8.87272, 74.18729, 118.66923],
-]
+POSES = [[-88.51593, -5.05317, 137.36035, 136.23349, 92.19679, 15.52431], POSE]
 LEGS = [[[2, 1], [1, 1], [3, 1], [2, 3], [1, 3], [1, 2]], [[3, 2], [1, 2], [2, 2], [3, 1], [1, 1], [1, 3]]]
 FEW = RecordingRequest(configurations=5, validation=4, attachments=1)
 
@@ -355,21 +346,9 @@ def test_a_ballbar_without_range_is_refused():
 def test_the_command_writes_both_campaigns_of_the_robot_and_the_truth(tmp_path):
     plan, out = tmp_path / "plan.json", tmp_path / "out"
     plan.write_text(json.dumps(drawn_up()))
-    request = [
-        "lrmate-everyday",
-        "--seed",
-        "3",
-        "--quiet",
-        "--ballbar",
-        str(plan),
-        "--aimed",
-        "--out",
-        str(out),
-    ]
+    wishes = ["--seed", "3", "--quiet", "--aimed", "--configurations", "6", "--validation", "7"]
 
-    status = main([*request, "--configurations", "6", "--validation", "7"])
-
-    assert status == 0
+    assert main(["lrmate-everyday", *wishes, "--ballbar", str(plan), "--out", str(out)]) == 0
     documents = {
         name: json.loads((out / f"{name}.json").read_text()) for name in ("campaign", "tracker", "truth")
     }
@@ -402,18 +381,12 @@ def test_a_plan_file_that_is_none_is_refused_by_its_name(tmp_path, capsys, text)
 async def test_a_campaign_is_what_a_person_would_have_measured_in_the_cell():
     scenario = replace(NOISE_FREE, ballbar=BallbarSetup(range_mm=3.0))
     recording = recorded(scenario)
-    cell, limits = Cell(scenario, 3, CellClock(0)), SpeedLimits(1e6, 1e6)
+    cell = Cell(scenario, 3, CellClock(0))
 
-    cell.hands.do("place_base", {"placement": 1})
-    cell.hands.do("fit_ball", {})
-    for point, joints_deg in enumerate(SETUPS, start=1):
-        await cell.move_robot([np.radians(joints_deg)], limits, np.zeros(3))
-        cell.hands.do("clamp", {"base_point": point})
-    await cell.move_robot([np.radians(POSES[0])], limits, np.zeros(3))
-    cell.hands.do("remove_ball", {})
+    await clamp_all(cell)
     lengths = []
     for joints_deg, legs in zip(POSES, LEGS, strict=True):
-        await cell.move_robot([np.radians(joints_deg)], limits, np.zeros(3))
+        await move(cell, joints_deg)
         cell.hands.do("calibrator", {"bars": "base"})
         for base, tool in legs:
             cell.hands.do("connect", {"base": base, "tool": tool})
