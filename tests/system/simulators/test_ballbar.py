@@ -1,14 +1,11 @@
 """The ballbar of a started cell: put somewhere by the simulated hands, read through every protocol."""
 
-import asyncio
-import json
 import math
-import sys
 
 import pytest
 
+from tests.system.simulators.cell_process import started_cell
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError
-from truepose_drivers.registry import load_registry
 
 pytestmark = pytest.mark.usefixtures("forked_processes")
 
@@ -17,45 +14,20 @@ SAME_MM = 5.0 * math.sqrt(2.0) * 0.00051 + 0.0001
 PROTOCOLS = {"nd28x": "heidenhain_nd", "hid": "ballbar_hid", "usb_itn": "mitutoyo_usb_itn"}
 
 
-class StartedCell:
-    """A cell as a process, and drivers for what it announces."""
-
-    def __init__(self, process, announced) -> None:
-        self.process = process
-        self._announced = announced
-        self._registry = load_registry()
-        self._opened = []
-
-    async def connected(self, protocol: str):
-        entry = next(entry for entry in self._announced if entry["protocol"] == protocol)
-        name = PROTOCOLS.get(protocol, "cell_hands")
-        driver = self._registry.open(name, {"host": entry["host"], "port": entry["port"]})
-        self._opened.append(driver)
-        await driver.connect()
-        return driver
-
-    async def close(self) -> None:
-        for driver in self._opened:
-            await driver.close()
-        self.process.terminate()
-        await self.process.wait()
-
-
 @pytest.fixture(params=["0", "1"], ids=["pace 0", "pace 1"])
 async def cell(request):
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "truepose_simulators", "lrmate-clean", "--seed", "4", "--pace", request.param,
-        stdout=asyncio.subprocess.PIPE,
-    )  # fmt: skip
-    announced = [json.loads(await process.stdout.readline()) for _ in range(9)]
-    started = StartedCell(process, announced)
-    yield started
-    await started.close()
+    async with started_cell("lrmate-clean", "--seed", "4", "--pace", request.param) as started:
+        yield started
+
+
+async def connected(cell):
+    """Return the hands, and an instrument for each protocol of the ballbar."""
+    instruments = [await cell.connected(driver, protocol) for protocol, driver in PROTOCOLS.items()]
+    return await cell.connected("cell_hands", "hands"), instruments
 
 
 async def test_all_protocols_show_the_same_bar(cell):
-    hands = await cell.connected("hands")
-    instruments = [await cell.connected(protocol) for protocol in PROTOCOLS]
+    hands, instruments = await connected(cell)
 
     before = [await instrument.read() for instrument in instruments]
     await hands.do("calibrator", {"bars": "tool"})
@@ -74,9 +46,8 @@ async def test_all_protocols_show_the_same_bar(cell):
 
 
 async def test_a_pulled_cable_is_a_link_error_in_every_protocol_and_ends_with_the_cable(cell):
-    hands = await cell.connected("hands")
+    hands, instruments = await connected(cell)
     await hands.do("calibrator", {"bars": "base"})
-    instruments = [await cell.connected(protocol) for protocol in PROTOCOLS]
 
     await hands.do("pull_cable", {})
     for instrument in instruments:
@@ -93,7 +64,7 @@ async def test_a_pulled_cable_is_a_link_error_in_every_protocol_and_ends_with_th
 
 
 async def test_the_hands_refuse_with_a_sentence_what_cannot_be_done(cell):
-    hands = await cell.connected("hands")
+    hands = await cell.connected("cell_hands", "hands")
 
     with pytest.raises(DeviceRefusedError, match="no action"):
         await hands.do("juggle", {})

@@ -1,69 +1,30 @@
 """A cell with a camera in a process of its own, and the drivers at its sockets."""
 
-import asyncio
-import json
 import math
-import sys
-from contextlib import asynccontextmanager
 
 import pytest
 
 from tests.helpers.machine import NDICAPI
-from tests.integration.drivers_of_checkout import drivers_of_checkout
+from tests.system.simulators.cell_process import started_cell
+from truepose.demo.truth import cell_endpoint
 from truepose_drivers.errors import ArtefactNotSeenError, LinkError
 
 CAMERA_MM = (2200.0, 0.0, 900.0)
 
 
-class CellProcess:
-    """Where its instruments listen, and drivers for them."""
-
-    def __init__(self, announced, definition):
-        self._announced = {line["device"]: line for line in announced}
-        self.definition = definition
-        self._drivers = drivers_of_checkout()
-
-    def port(self, device):
-        return self._announced[device]["port"]
-
-    async def connected(self, name, device, clock=None, **options):
-        address = {key: self._announced[device][key] for key in ("host", "port")}
-        driver = self._drivers.open(name, {**address, **options}, clock)
-        if name != "cell_clock":
-            await driver.connect()
-        return driver
-
-    async def camera(self):
-        clock = await self.connected("cell_clock", "clock")
-        camera = await self.connected("ndi_polaris", "camera", clock, tool_file=self.definition)
-        await camera.initialise()
-        return camera
-
-    async def tell(self, **request):
-        truth = self._announced["truth"]
-        reader, writer = await asyncio.open_connection(truth["host"], truth["port"])
-        writer.write(json.dumps(request).encode() + b"\n")
-        answer = json.loads(await reader.readline())
-        writer.close()
-        await writer.wait_closed()
-        return answer
+@pytest.fixture
+def definition(tmp_path):
+    """A file that defines an artefact."""
+    path = tmp_path / "artefact.rom"
+    path.write_bytes(bytes(752))
+    return str(path)
 
 
-@asynccontextmanager
-async def cell_process(scenario, tmp_path):
-    definition = tmp_path / "artefact.rom"
-    definition.write_bytes(bytes(752))
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "truepose_simulators", scenario, "--pace", "0", stdout=asyncio.subprocess.PIPE
-    )
-    try:
-        announced = []
-        while not announced or announced[-1]["device"] != "camera":
-            announced.append(json.loads(await process.stdout.readline()))
-        yield CellProcess(announced, str(definition))
-    finally:
-        process.terminate()
-        await process.wait()
+async def camera_of(cell, definition):
+    clock = await cell.connected("cell_clock", "clock")
+    camera = await cell.connected("ndi_polaris", "camera", clock, tool_file=definition)
+    await camera.initialise()
+    return camera
 
 
 def nest_seen_mm(reading, nest_mm):
@@ -78,14 +39,15 @@ def cross(a, b):
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-async def test_poses_of_the_spatial_artefact_until_the_camera_hangs(tmp_path):
+async def test_poses_of_the_spatial_artefact_until_the_camera_hangs(definition):
     nests_mm = [(45.0, 0.0, 150.0), (-22.5, 38.971, 150.0), (-22.5, -38.971, 150.0)]
-    async with cell_process("irb120-camera-spatial", tmp_path) as cell:
-        camera = await cell.camera()
+    async with started_cell("irb120-camera-spatial", "--pace", "0") as cell:
+        camera = await camera_of(cell, definition)
 
         identity = await camera.identify()
         reading = await camera.measure_pose(duration_s=1.0)
-        true_mm = (await cell.tell(op="positions", joints_rad=[[0.0] * 6]))["positions_mm"][0]
+        async with cell_endpoint(**cell.address("truth")) as truth:
+            true_mm = (await truth.ask("positions", joints_rad=[[0.0] * 6]))["positions_mm"][0]
 
         assert (identity.model, identity.serial) == ("Polaris Vega VT", "P9-10000")
         assert reading.frames == pytest.approx(60, abs=1)
@@ -98,21 +60,21 @@ async def test_poses_of_the_spatial_artefact_until_the_camera_hangs(tmp_path):
             first = nest_seen_mm(reading, nests_mm[0])
             assert math.dist(seen, first) == pytest.approx(math.dist(true, true_mm[0]), abs=0.5)
 
-        await cell.tell(op="fault", kind="camera_frozen")
+        async with cell_endpoint(**cell.address("truth")) as truth:
+            await truth.ask("fault", kind="camera_frozen")
         with pytest.raises(LinkError, match="do not go on"):
             await camera.measure_pose(duration_s=1.0)
         assert not camera.connected
 
 
-async def test_the_flat_artefact_is_not_seen_from_the_side(tmp_path):
-    async with cell_process("irb120-camera", tmp_path) as cell:
-        camera = await cell.camera()
+async def test_the_flat_artefact_is_not_seen_from_the_side(definition):
+    async with started_cell("irb120-camera", "--pace", "0") as cell:
+        camera = await camera_of(cell, definition)
 
         with pytest.raises(ArtefactNotSeenError, match="did not see the artefact in"):
             await camera.measure_pose(duration_s=0.5)
 
         assert camera.connected
-        await camera.close()
 
 
 def poses_by_ndicapy(client, port, definition):
@@ -132,13 +94,12 @@ def poses_by_ndicapy(client, port, definition):
     return by_text, by_bytes
 
 
-async def test_the_public_client_ndicapy_reads_the_pose_that_the_driver_reads(tmp_path):
+async def test_the_public_client_ndicapy_reads_the_pose_that_the_driver_reads(definition):
     client = pytest.importorskip("ndicapy", reason=NDICAPI.reason)
-    async with cell_process("irb120-camera-spatial", tmp_path) as cell:
-        by_text, by_bytes = poses_by_ndicapy(client, cell.port("camera"), cell.definition)
-        camera = await cell.camera()  # after a program that left its handle behind
+    async with started_cell("irb120-camera-spatial", "--pace", "0") as cell:
+        by_text, by_bytes = poses_by_ndicapy(client, cell.address("camera")["port"], definition)
+        camera = await camera_of(cell, definition)  # after a program that left its handle behind
         reading = await camera.measure_pose(duration_s=1.0)
-        await camera.close()
 
     ours = (*reading.quaternion, *reading.position_mm, reading.rms_mm)
     for theirs in (by_text, by_bytes):

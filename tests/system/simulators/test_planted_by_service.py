@@ -1,22 +1,13 @@
 """A change planted by the service's cell file reaches the simulated cell with all that it says."""
 
-import asyncio
-import json
+import math
 
 import pytest
 
 from truepose.app.errors import ScenarioRefusedError
 from truepose.app.simulation import running_simulation
+from truepose.demo.truth import cell_endpoint
 from truepose.domain.cell import PlantedEffect, SimulatedCell
-
-
-async def ask(endpoint, **request):
-    reader, writer = await asyncio.open_connection(endpoint.host, endpoint.port, limit=1 << 20)
-    writer.write(json.dumps(request).encode() + b"\n")
-    reply = json.loads(await reader.readline())
-    writer.close()
-    await writer.wait_closed()
-    return reply
 
 
 async def test_name_subject_amplitude_time_and_details_arrive():
@@ -28,11 +19,12 @@ async def test_name_subject_amplitude_time_and_details_arrive():
     )
 
     async with running_simulation(SimulatedCell("irb120-clean", 3, effects), pace=0) as simulation:
-        truth = next(endpoint for endpoint in simulation.endpoints if endpoint.device == "truth")
-        planted = (await ask(truth, op="plant"))["effects"]
+        at = next(endpoint for endpoint in simulation.endpoints if endpoint.device == "truth")
         joints = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]] * 2
-        asked = {"op": "positions", "joints_rad": joints, "time_s": [599.0, 600.0], "nests": [3, 3]}
-        before, after = (await ask(truth, **asked))["positions_mm"]
+        async with cell_endpoint(at.host, at.port) as truth:
+            planted = (await truth.ask("plant"))["effects"]
+            moved = await truth.ask("positions", joints_rad=joints, time_s=[599.0, 600.0], nests=[3, 3])
+        before, after = moved["positions_mm"]
 
     assert planted == [
         {"name": "joint_coupling", "subject": "joint 6", "amplitude": 5e-4, "from_s": 600.0, **details},
@@ -40,8 +32,7 @@ async def test_name_subject_amplitude_time_and_details_arrive():
         | {"rotation_rad_per_h": 5e-5, "direction": [0.0, 0.0, 1.0]},
     ]
     # Joint 6 turns by 5e-4 rad, nest 3 is 150 off its axis: 0.075; a second of drift is nothing beside it.
-    moved = sum((a - b) ** 2 for a, b in zip(after, before, strict=True)) ** 0.5
-    assert moved == pytest.approx(0.075, rel=0.01)
+    assert math.dist(after, before) == pytest.approx(0.075, rel=0.01)
 
 
 async def test_a_detail_that_the_effect_does_not_know_ends_the_cell():

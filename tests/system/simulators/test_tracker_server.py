@@ -68,26 +68,37 @@ async def tracker(clock, **changes):
         yield connected
 
 
+@contextlib.asynccontextmanager
+async def measuring(queue=0):
+    """Have a client whose measurement was accepted and is held back, and the clock that holds it."""
+    clock = HeldClock()
+    async with tracker(clock) as connect:
+        client = await connect()
+        assert await client.ask(7) == 0
+        await client.ask(120, struct.pack("<2i", 200, queue))
+        assert await client.ask(49) == 0
+        yield client, clock, connect
+
+
+async def left(client):
+    client.writer.close()
+    await client.writer.wait_closed()
+    await asyncio.sleep(0.05)  # until the server has read the end of the stream
+
+
 async def test_a_second_application_is_told_so_and_takes_over_when_the_first_leaves():
     async with tracker(CellClock(0)) as connect:
         first, second = await connect(), await connect()
 
         assert await first.ask(7) == 0
         assert await second.ask(7) == 10011
-        first.writer.close()
-        await first.writer.wait_closed()
-        await asyncio.sleep(0.05)  # until the server has read the end of the stream
+        await left(first)
 
         assert await second.ask(54) == 0
 
 
 async def test_a_command_while_another_runs_is_answered_busy():
-    clock = HeldClock()
-    async with tracker(clock) as connect:
-        client = await connect()
-        assert await client.ask(7) == 0
-        assert await client.ask(49) == 0  # accepted; the result is held back
-
+    async with measuring() as (client, clock, _):
         assert await client.ask(1) == 1
         assert await client.ask(49) == 1
         clock.released.set()
@@ -97,12 +108,7 @@ async def test_a_command_while_another_runs_is_answered_busy():
 
 
 async def test_stopping_a_measurement_is_always_accepted_and_no_result_follows():
-    clock = HeldClock()
-    async with tracker(clock) as connect:
-        client = await connect()
-        await client.ask(7)
-        await client.ask(49)
-
+    async with measuring() as (client, clock, _):
         assert await client.ask(52) == 0
         clock.released.set()
 
@@ -110,13 +116,7 @@ async def test_stopping_a_measurement_is_always_accepted_and_no_result_follows()
 
 
 async def test_a_queue_takes_as_many_commands_as_it_was_set_to():
-    clock = HeldClock()
-    async with tracker(clock) as connect:
-        client = await connect()
-        await client.ask(7)
-        await client.ask(120, struct.pack("<2i", 200, 2))
-        await client.ask(49)
-
+    async with measuring(queue=2) as (client, clock, _):
         client.send(98)
         client.send(2)
         assert await client.ask(1) == 1  # the third finds the queue full
@@ -128,12 +128,7 @@ async def test_a_queue_takes_as_many_commands_as_it_was_set_to():
 
 
 async def test_clearing_the_queue_drops_what_waits():
-    clock = HeldClock()
-    async with tracker(clock) as connect:
-        client = await connect()
-        await client.ask(7)
-        await client.ask(120, struct.pack("<2i", 200, 2))
-        await client.ask(49)
+    async with measuring(queue=2) as (client, clock, _):
         client.send(98)
 
         assert await client.ask(130, struct.pack("<i", 0)) == 0
@@ -144,14 +139,9 @@ async def test_clearing_the_queue_drops_what_waits():
 
 
 async def test_a_client_that_leaves_in_the_middle_of_a_command_frees_the_tracker():
-    clock = HeldClock()
-    async with tracker(clock) as connect:
-        first, second = await connect(), await connect()
-        await first.ask(7)
-        await first.ask(49)
-        first.writer.close()
-        await first.writer.wait_closed()
-        await asyncio.sleep(0.05)  # until the server has read the end of the stream
+    async with measuring() as (first, _, connect):
+        second = await connect()
+        await left(first)
 
         assert await second.ask(1) == 0
 

@@ -5,14 +5,13 @@ motions go out in pieces.
 """
 
 import asyncio
-import contextlib
 import json
 import signal
-import sys
 
 import pytest
 
 from tests.helpers.instruments.one_motion import FAR_DEG
+from tests.system.simulators.cell_process import python, started_cell
 from truepose.demo.truth import cell_endpoint
 
 pytestmark = pytest.mark.usefixtures("forked_processes")
@@ -22,35 +21,14 @@ ATTEMPTS = 3  # a machine that is too busy to run the simulator for a second is 
 OURS = 'extends = "{}"\n[arm]\nserver = "truepose"\nprotocol = "{}"\n'
 
 
-@contextlib.asynccontextmanager
-async def started(*arguments):
-    process = await asyncio.create_subprocess_exec(sys.executable, *arguments, stdout=asyncio.subprocess.PIPE)
-    try:
-        yield process
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-        await process.wait()
-
-
-async def endpoints_of(process):
-    """Return where each endpoint of a cell listens, by device; the last one is that of the faults."""
-    found = {}
-    while "faults" not in found:
-        told = json.loads(await process.stdout.readline())
-        found[told["device"]] = told
-    return found
-
-
-def options(endpoints):
+def options(cell):
     """Return where the controller listens, as its driver calls its ports."""
-    robot = endpoints["robot"]
     further = {
-        f"{name.removeprefix('robot-')}_port": found["port"]
-        for name, found in endpoints.items()
-        if name.startswith("robot-") and name != "robot-log"
+        f"{entry['device'].removeprefix('robot-')}_port": entry["port"]
+        for entry in cell.announced
+        if entry["device"].startswith("robot-") and entry["device"] != "robot-log"
     }
-    return {"host": robot["host"], "port": robot["port"], **further}
+    return {**cell.address("robot"), **further}
 
 
 async def until_moving(truth, child):
@@ -64,7 +42,7 @@ async def until_moving(truth, child):
 
 async def rest_after(truth, driver, where, deadly):
     """Let a child move the arm and end it; returns seconds of the cell to rest, and how far it came."""
-    async with started("-m", "tests.helpers.instruments.one_motion", driver, json.dumps(where)) as child:
+    async with python("-m", "tests.helpers.instruments.one_motion", driver, json.dumps(where)) as child:
         begun = await until_moving(truth, child)
         before_s = (await truth.ask("robot"))["now_s"]
         child.send_signal(deadly)
@@ -89,15 +67,15 @@ async def test_an_arm_rests_within_a_second_of_the_end_of_the_program_that_moves
     tmp_path, scenario, protocol, driver
 ):
     (tmp_path / "ours.toml").write_text(OURS.format(scenario, protocol))
-    async with started("-m", "truepose_simulators", str(tmp_path / "ours.toml")) as cell:
-        endpoints = await endpoints_of(cell)
-        at = endpoints["truth"]
-        async with cell_endpoint(at["host"], at["port"]) as truth:
-            # Killed, the system closes its connections; stopped, they stay, and nothing is heard any more.
-            for deadly in (signal.SIGKILL, signal.SIGSTOP):
-                for _ in range(ATTEMPTS):
-                    after_s, moved_rad = await rest_after(truth, driver, options(endpoints), deadly)
-                    if after_s <= WITHIN_S:
-                        break
-                assert after_s <= WITHIN_S
-                assert abs(moved_rad) < FAR_DEG / 57.3 / 2.0
+    async with (
+        started_cell(str(tmp_path / "ours.toml")) as cell,
+        cell_endpoint(**cell.address("truth")) as truth,
+    ):
+        # Killed, the system closes its connections; stopped, they stay, and nothing is heard any more.
+        for deadly in (signal.SIGKILL, signal.SIGSTOP):
+            for _ in range(ATTEMPTS):
+                after_s, moved_rad = await rest_after(truth, driver, options(cell), deadly)
+                if after_s <= WITHIN_S:
+                    break
+            assert after_s <= WITHIN_S
+            assert abs(moved_rad) < FAR_DEG / 57.3 / 2.0
