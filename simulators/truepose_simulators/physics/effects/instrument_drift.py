@@ -6,47 +6,39 @@ robot shows; about the tripod, three metres away, the same motion would have ano
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from truepose_simulators.physics.effects import effect
-from truepose_simulators.physics.effects.rigid_change import SHAPES, SlowMotion, courses, drift_per_s
+from truepose_simulators.physics.effects.rigid_change import SHAPES, Drift, identified_drift, planted_drift
 from truepose_simulators.physics.rigid import FloatArray, inverse, pose_matrix, to_six
 
 
 @dataclass(frozen=True, slots=True)
 class DriftingInstrument:
-    """The tracker's frame goes on moving from `from_s`."""
+    """The tracker's frame moves."""
 
-    per_s: FloatArray  # (6,) [mm/s, rad/s]
-    from_s: float
+    come: Drift
 
     def frame_motion(self, time_s: FloatArray) -> FloatArray:
         """Return how far the frame has come, shape (n, 6)."""
-        elapsed_s = np.maximum(time_s - self.from_s, 0.0)
-        come: FloatArray = elapsed_s[:, np.newaxis] * self.per_s
-        return come
+        return self.come(time_s)
 
 
 def plant(change: effect.PlantedChange, site: effect.Site) -> DriftingInstrument:
     """Build the effect; the amplitude is the norm of the translation [mm/h]."""
     effect.check_only(change, "tracker")
-    return DriftingInstrument(drift_per_s(change, site), change.from_s)
+    return DriftingInstrument(planted_drift(change, site))
 
 
-@dataclass(frozen=True, slots=True)
-class DriftedInstrument:
-    """The tracker's frame moves the other way than an identified drift says of the readings."""
+def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[DriftingInstrument, ...]:
+    """Build the identified drift of readings, `tracker_<shape>_x`..`_rz` [mm/h, rad/h] about the world.
 
-    courses: tuple[SlowMotion, ...]
-
-    def frame_motion(self, time_s: FloatArray) -> FloatArray:
-        """Return how far the frame has come, shape (n, 6)."""
-        come = np.sum([course.come(time_s) for course in self.courses], axis=0)
-        return to_six(inverse(pose_matrix(come[..., :3], come[..., 3:])))
-
-
-def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[DriftedInstrument, ...]:
-    """Build the identified drift of readings, `tracker_<shape>_x`..`_rz` [mm/h, rad/h] about the world."""
+    The frame moves the other way than the readings do.
+    """
     del site
     rates = stated.motions(f"tracker_{SHAPES}", "tracker_<shape>")
-    return (DriftedInstrument(courses(rates)),) if rates else ()
+    readings = identified_drift(rates)
+
+    def come(time_s: FloatArray) -> FloatArray:
+        seen = readings(time_s)
+        return to_six(inverse(pose_matrix(seen[:, :3], seen[:, 3:])))
+
+    return (DriftingInstrument(come),) if rates else ()

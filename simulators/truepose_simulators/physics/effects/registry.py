@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeAlias
 
 from truepose_simulators.errors import ModelError, ScenarioError
 from truepose_simulators.physics.effects import (
@@ -33,6 +34,7 @@ from truepose_simulators.physics.effects.effect import IdentifiedEffect, ModelAr
 from truepose_simulators.physics.effects.ports import Effect
 
 LATEST_S = 1e9  # thirty years of cell time
+Realise: TypeAlias = Callable[[IdentifiedEffect, ModelArm], tuple[Effect, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,54 +44,39 @@ class Kind:
     plant: Callable[[PlantedChange, Site], Effect]
     lowest: float
     highest: float
+    realise: Realise | None = None  # from the parameters of an identified model, where it is one of a robot
 
 
 EFFECTS: Mapping[str, Kind] = MappingProxyType({
     "axis_parallelism": Kind(axis_parallelism.plant, -5.0, 5.0),
-    "backlash": Kind(backlash.plant, 0.0, 5.0),
+    "backlash": Kind(backlash.plant, 0.0, 5.0, backlash.realise),
     "ballbar_zero": Kind(ballbar_zero.plant, 0.0, 1.0),
-    "base_compliance": Kind(base_compliance.plant, 0.0, 1e-6),
-    "base_drift": Kind(base_drift.plant, -100.0, 100.0),
-    "base_shift": Kind(base_shift.plant, -100.0, 100.0),
-    "compliance": Kind(compliance.plant, -5e-6, 5e-6),
-    "compliance_nonlinear": Kind(compliance_nonlinear.plant, -1.0, 10.0),
+    "base_compliance": Kind(base_compliance.plant, 0.0, 1e-6, base_compliance.realise),
+    "base_drift": Kind(base_drift.plant, -100.0, 100.0, base_drift.realise),
+    "base_shift": Kind(base_shift.plant, -100.0, 100.0, base_shift.realise),
+    "compliance": Kind(compliance.plant, -5e-6, 5e-6, compliance.realise),
+    "compliance_nonlinear": Kind(compliance_nonlinear.plant, -1.0, 10.0, compliance_nonlinear.realise),
     "fixture_shift": Kind(fixture_shift.plant, -100.0, 100.0),
-    "instrument_drift": Kind(instrument_drift.plant, -100.0, 100.0),
-    "instrument_scale": Kind(instrument_scale.plant, -0.01, 0.01),
-    "joint_coupling": Kind(joint_coupling.plant, -0.1, 0.1),
-    "joint_gain": Kind(joint_gain.plant, -0.1, 0.1),
-    "joint_harmonics": Kind(joint_harmonics.plant, -5.0, 5.0),
+    "instrument_drift": Kind(instrument_drift.plant, -100.0, 100.0, instrument_drift.realise),
+    "instrument_scale": Kind(instrument_scale.plant, -0.01, 0.01, instrument_scale.realise),
+    "joint_coupling": Kind(joint_coupling.plant, -0.1, 0.1, joint_coupling.realise),
+    "joint_gain": Kind(joint_gain.plant, -0.1, 0.1, joint_gain.realise),
+    "joint_harmonics": Kind(joint_harmonics.plant, -5.0, 5.0, joint_harmonics.realise),
     "label_swap": Kind(label_swap.plant, 0.0, 1.0),
-    "link_bending": Kind(link_bending.plant, 0.0, 10.0),
-    "link_mass": Kind(link_mass.plant, -20.0, 20.0),
-    "nest_offset": Kind(nest_offset.plant, -100.0, 100.0),
+    "link_bending": Kind(link_bending.plant, 0.0, 10.0, link_bending.realise),
+    "link_mass": Kind(link_mass.plant, -20.0, 20.0, link_mass.realise),
+    "nest_offset": Kind(nest_offset.plant, -100.0, 100.0, nest_offset.realise),
     "outliers": Kind(outliers.plant, 0.0, 1.0),
-    "payload": Kind(payload.plant, -20.0, 20.0),
-    "thermal_growth": Kind(thermal_growth.plant, -1e-3, 1e-3),
-    "tool_reseating": Kind(tool_reseating.plant, 0.0, 10.0),
+    "payload": Kind(payload.plant, -20.0, 20.0, payload.realise),
+    "thermal_growth": Kind(thermal_growth.plant, -1e-3, 1e-3, thermal_growth.realise),
+    "tool_reseating": Kind(tool_reseating.plant, 0.0, 10.0, tool_reseating.realise),
 })
 
 # How effects are built from the parameters of an identified model. Those that place the base, the links and
-# the nests are the plant itself (`identified.py`).
-REALISED: Mapping[str, Callable[[IdentifiedEffect, ModelArm], tuple[Effect, ...]]] = MappingProxyType({
-    "backlash": backlash.realise,
-    "base_compliance": base_compliance.realise,
-    "base_drift": base_drift.realise,
-    "base_shift": base_shift.realise,
-    "compliance": compliance.realise,
-    "compliance_nonlinear": compliance_nonlinear.realise,
-    "instrument_drift": instrument_drift.realise,
-    "instrument_scale": instrument_scale.realise,
-    "joint_coupling": joint_coupling.realise,
-    "joint_gain": joint_gain.realise,
-    "joint_harmonics": joint_harmonics.realise,
-    "link_bending": link_bending.realise,
-    "link_mass": link_mass.realise,
-    "nest_offset": nest_offset.realise,
-    "payload": payload.realise,
-    "thermal_growth": thermal_growth.realise,
+# the nests are the plant itself (`identified.py`); what a certificate allows is no change that is planted.
+REALISED: Mapping[str, Realise] = MappingProxyType({
     "tool_certificate": nest_offset.realise_certificate,
-    "tool_reseating": tool_reseating.realise,
+    **{name: kind.realise for name, kind in EFFECTS.items() if kind.realise is not None},
 })
 
 
@@ -99,7 +86,7 @@ def realise_effect(stated: IdentifiedEffect, site: ModelArm) -> tuple[Effect, ..
     if realise is None:
         raise ModelError(
             f"effect {stated.effect}: the simulated physics has none of that name; it realises"
-            f" {', '.join(REALISED)}"
+            f" {', '.join(sorted(REALISED))}"
         )
     return realise(stated, site)
 

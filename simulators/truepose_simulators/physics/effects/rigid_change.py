@@ -4,7 +4,9 @@
 out with the time constant tau [s].
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -14,6 +16,10 @@ from truepose_simulators.physics.effects import effect
 from truepose_simulators.physics.rigid import FloatArray, inverse, pose_matrix, to_six
 
 _LARGEST_ROTATION_RAD = 0.1
+_S_PER_H = 3600.0
+
+# How far something has come at times, (n,) -> (n, 6): `[tx ty tz rx ry rz]` [mm, rad].
+Drift: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +56,17 @@ class DriftDetails(_Way):
         _Way.__post_init__(self)
 
 
-def drift_per_s(change: effect.PlantedChange, site: effect.Site) -> FloatArray:
-    """Motion per second `[tx ty tz rx ry rz]` of a drift whose amplitude is in mm/h, shape (6,)."""
+def planted_drift(change: effect.PlantedChange, site: effect.Site) -> Drift:
+    """Return an even drift from the time of the change on, whose amplitude is in mm/h."""
     details = effect.read_details(DriftDetails, change)
     rate = _motion(change.amplitude, details.rotation_rad_per_h, details.direction, details.axis, site)
-    per_s: FloatArray = rate / 3600.0
-    return per_s
+    per_s = rate / _S_PER_H
+
+    def come(time_s: FloatArray) -> FloatArray:
+        way: FloatArray = np.maximum(time_s - change.from_s, 0.0)[:, np.newaxis] * per_s
+        return way
+
+    return come
 
 
 def jump(change: effect.PlantedChange, site: effect.Site) -> FloatArray:
@@ -110,31 +121,24 @@ def motion_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
 
 
 SHAPES = r"(linear|exp[0-9.e+]+)"
-_S_PER_H = 3600.0
 
 
-@dataclass(frozen=True, slots=True)
-class SlowMotion:
-    """One slow motion: `rate` [mm/h, rad/h], even where it has no time constant."""
+def identified_drift(rates: dict[str, FloatArray]) -> Drift:
+    """Return what slow motions add up to, from their rates [mm/h, rad/h] by the names of their shapes."""
 
-    rate: FloatArray  # (6,)
-    time_constant_s: float | None
-
-    def come(self, time_s: FloatArray) -> FloatArray:
-        """Return the way at times since the origin, shape (n,) -> (n, 6) [mm, rad]."""
-        if self.time_constant_s is None:
-            hours = time_s / _S_PER_H
-        else:
-            # The rate dies out as exp(-t / tau); its integral from the origin is tau (1 - exp(-t / tau)).
-            elapsed = np.maximum(time_s, 0.0) / self.time_constant_s
-            hours = self.time_constant_s / _S_PER_H * (1.0 - np.exp(-elapsed))
-        way: FloatArray = hours[:, np.newaxis] * self.rate
+    def come(time_s: FloatArray) -> FloatArray:
+        ways = [_hours(shape, time_s)[:, np.newaxis] * rate for shape, rate in rates.items()]
+        way: FloatArray = np.sum(ways, axis=0)
         return way
 
+    return come
 
-def courses(rates: dict[str, FloatArray]) -> tuple[SlowMotion, ...]:
-    """Return the motions of rates by the name of their shape."""
-    return tuple(
-        SlowMotion(rate, None if shape == "linear" else float(shape.removeprefix("exp")))
-        for shape, rate in rates.items()
-    )
+
+def _hours(shape: str, time_s: FloatArray) -> FloatArray:
+    """Return for how many hours a motion has gone on at its rate, at times since the origin."""
+    if shape == "linear":
+        return time_s / _S_PER_H
+    # The rate dies out as exp(-t / tau); its integral from the origin is tau (1 - exp(-t / tau)).
+    time_constant_s = float(shape.removeprefix("exp"))
+    elapsed = np.maximum(time_s, 0.0) / time_constant_s
+    return time_constant_s / _S_PER_H * (1.0 - np.exp(-elapsed))
