@@ -18,11 +18,7 @@ def read_fault(table: object, where: str) -> Fault:
     if not isinstance(table, Mapping) or not isinstance(kind, str) or kind not in KINDS:
         raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
     rest = {key: value for key, value in table.items() if key != "kind"}
-    try:
-        return read_table(KINDS[kind], rest, where)
-    except ScenarioError as error:
-        text = str(error)
-        raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
+    return read_table(KINDS[kind], rest, where)
 
 
 _HEADER: Final = re.compile(r"\s*\[\[\s*fault\s*\]\]")

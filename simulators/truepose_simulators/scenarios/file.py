@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -58,8 +58,6 @@ _LISTS = {"link": "links", "effect": "effects", "fault": "faults"}
 _ADDED_UP = ("effect", "fault")
 _PLAIN: Mapping[str, type] = {"robot": str, "noise": bool}
 
-T = TypeVar("T")
-
 
 def shipped_scenarios() -> list[str]:
     """Names of the scenarios that come with the program."""
@@ -82,7 +80,7 @@ def load_scenario(name: str) -> Scenario:
     }
     for key, cls in _TABLES.items():
         if key in document:
-            values[key] = _read(cls, document[key], f"{where}: [{key}]")
+            values[key] = read_table(cls, document[key], f"{where}: [{key}]")
     arm = ARMS[robot]
     scenario = Scenario(
         name=path.stem,
@@ -192,16 +190,8 @@ def _entries(document: Mapping[str, object], key: str, where: str) -> list[tuple
     return [(f"{where}: [[{key}]] number {number}", entry) for number, entry in enumerate(entries, start=1)]
 
 
-def _read(cls: type[T], table: object, where: str) -> T:
-    try:
-        return read_table(cls, table, where)
-    except ScenarioError as error:
-        text = str(error)
-        raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
-
-
 def _link(table: object, where: str, arm: Arm) -> ConfiguredLink:
-    link = _read(ConfiguredLink, table, where)
+    link = read_table(ConfiguredLink, table, where)
     if not 1 <= link.joint <= arm.n_joints:
         raise ScenarioError(f'{where}: key "joint" must be 1 to {arm.n_joints}, not {link.joint}')
     return link

@@ -58,7 +58,7 @@ def read_table(cls: type[T], table: object, where: str) -> T:
     Raises
     ------
     ScenarioError
-        The table is none, or a key is unknown, missing or of the wrong kind.
+        The table is none, a key is unknown, missing or of the wrong kind, or `cls` refuses a value.
     """
     if not isinstance(table, Mapping):
         raise ScenarioError(f"{where} must be a table of keys, not {_kind(table)}")
@@ -72,7 +72,10 @@ def read_table(cls: type[T], table: object, where: str) -> T:
         if field.name not in table and _required(field):
             raise ScenarioError(f'{where}: key "{field.name}" is missing')
     values = {key: convert(hints[key], value, f'{where}: key "{key}"') for key, value in table.items()}
-    return cls(**values)
+    try:
+        return cls(**values)
+    except ScenarioError as error:  # the class does not know whose values it refuses
+        raise ScenarioError(f"{where}: {error}") from error
 
 
 def convert(hint: Any, value: object, where: str) -> Any:

@@ -113,12 +113,7 @@ class NoDetails:
 
 def read_details(cls: type[T], change: PlantedChange) -> T:
     """Read the details of a change into the dataclass `cls`; raises ScenarioError."""
-    where = f"effect {change.name}"
-    try:
-        return read_table(cls, change.details, where)
-    except ScenarioError as error:  # a value that the class itself refuses does not know whose it is
-        text = str(error)
-        raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
+    return read_table(cls, change.details, f"effect {change.name}")
 
 
 def joint_index(change: PlantedChange, arm: Arm) -> int:

@@ -31,10 +31,6 @@ class PosePlan:
     legs: tuple[tuple[int, int], ...]  # base point, tool point
     aimed_mm: tuple[float, ...] | None = None  # lengths that an aimed campaign comes near; absent: nominal
 
-    def __post_init__(self) -> None:
-        if self.aimed_mm is not None and len(self.aimed_mm) != len(self.legs):
-            raise ScenarioError(f'key "aimed_mm" must have one length per leg, {len(self.legs)}')
-
 
 @dataclass(frozen=True, slots=True)
 class PlacementPlan:
@@ -141,6 +137,8 @@ def _check_joints(stops: Sequence[SetupPlan | PosePlan], cell: Cell, where: str)
 
 
 def _check_legs(pose: PosePlan, n_cups: int, n_nests: int, where: str) -> None:
+    if pose.aimed_mm is not None and len(pose.aimed_mm) != len(pose.legs):
+        raise ScenarioError(f'key "aimed_mm" must have one length per leg, {len(pose.legs)}')
     for base, tool in pose.legs:
         if not (1 <= base <= n_cups and 1 <= tool <= n_nests):
             raise ScenarioError(
