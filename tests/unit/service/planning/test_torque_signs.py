@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from truepose.exchange.cells.file import cell_given
 from truepose.planning.prediction.robots_and_cells import of_cell
@@ -57,14 +56,14 @@ def test_where_masses_are_unknown_all_are_taken():
     assert are_loaded_one_way(unknown, np.radians([FORWARDS] * 8 + [BACKWARDS])).all()
 
 
-@pytest.mark.parametrize("joint", [2, 3])
-def test_a_plan_keeps_the_sign_at_every_stop_and_approach(joint):
+def test_a_plan_keeps_the_sign_at_every_stop_and_approach():
     free = promised_session(LR_MATE, 30, n_candidates=400).joints_rad
     kept = promised_session(LR_MATE, 30, n_candidates=400, one_sided=True).joints_rad
 
-    def signs(joints_rad):
+    def signs(joints_rad, joint):
         ends = np.concatenate([joints_rad, joints_rad + LR_MATE.approach_offset_rad])
         return {bool(torque_by_hand(LR_MATE, joint, q) > 0.0) for q in ends}
 
-    assert signs(free) == {True, False}
-    assert len(signs(kept)) == 1
+    for joint in (2, 3):
+        assert signs(free, joint) == {True, False}
+        assert len(signs(kept, joint)) == 1

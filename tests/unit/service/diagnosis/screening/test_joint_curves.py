@@ -25,7 +25,7 @@ def lines(joint, count, seed, size_deg):
     }
 
 
-def campaign_of(values, n=300):
+def campaign_of(values, n=200):
     return planted({"joint_harmonics": values}, telling_campaign(n))
 
 
@@ -63,7 +63,7 @@ def test_a_curve_is_drawn_finely_enough_for_its_fastest_wave(found):
 def test_a_few_waves_are_told_one_by_one():
     values = {"wave_1_2_sin": 3e-4, "wave_1_2_cos": 0.0, "wave_1_9_sin": 2e-4, "wave_1_9_cos": 1e-4}
 
-    found = diagnose(campaign_of(values, n=100), PRESENT)
+    found = diagnose(campaign_of(values, n=60), PRESENT)
 
     assert {len(finding.parameters) for finding in found.findings} == {2}
     assert {finding.subject for finding in found.findings} == {"joint 1"}

@@ -18,7 +18,7 @@ from truepose.identification.problem.contacts import (
 from truepose.kinematics.frames import rotation_from_vector
 
 RNG = np.random.default_rng(8)
-N = 60
+N = 40
 NEST = np.array([40.0, -70.0, 190.0])
 FIXTURE = np.array([420.0, -60.0, 240.0])
 SQUARE = rotation_from_vector(np.array([[0.2, -0.1, 0.4]]))[0]  # directions of the gauges, in columns
