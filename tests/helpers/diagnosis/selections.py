@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.identification.synthetic import NOISE_MM
+from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.baseline_fit import Start, fit_baseline, scene_of
 from truepose.diagnosis.diagnose import propose_candidates
 from truepose.diagnosis.evidence.residual_structure import prepared_families, residual_dependence
@@ -33,6 +33,12 @@ def planted(effects, campaign=None, n=80, seed=3, noise_mm=NOISE_MM, present=PRE
     true_mm = evaluate(structure, values, Targets(points.stops, points.nest)).position_mm
     noise = noise_mm * np.random.default_rng(seed).standard_normal(true_mm.shape)
     return replace(campaign, calibration=replace(points, position_mm=true_mm + noise))
+
+
+def with_unseen(effects):
+    """What was planted, with forty validation readings of configurations of their own."""
+    unseen = planted(effects, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11)
+    return replace(planted(effects), validation=unseen.calibration)
 
 
 def make_start(effects, present=PRESENT, *, campaign=None, n=80, seed=3, noise_mm=NOISE_MM):

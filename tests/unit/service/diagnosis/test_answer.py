@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
-from tests.helpers.identification.synthetic import NOISE_MM, configurations, shifted
+from tests.helpers.diagnosis.selections import (
+    PRESENT,
+    left_of,
+    make_selected,
+    make_start,
+    planted,
+    with_unseen,
+)
+from tests.helpers.identification.synthetic import NOISE_MM, shifted
 from truepose.diagnosis.answer import _verdict, unanswerable
 from truepose.diagnosis.confidence import _useless
 from truepose.diagnosis.diagnose import diagnose
@@ -18,12 +25,6 @@ from truepose.messages.catalogue import english
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")
-
-
-def with_unseen(effects):
-    """A campaign with forty validation readings of configurations of their own."""
-    unseen = planted(effects, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11)
-    return replace(planted(effects), validation=unseen.calibration)
 
 
 @pytest.fixture(scope="module")

@@ -5,20 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import telling_campaign
-from tests.helpers.diagnosis.selections import make_selected, planted, started
-from tests.helpers.identification.synthetic import configurations
+from tests.helpers.diagnosis.selections import make_selected, started, with_unseen
 from truepose.diagnosis.curves import curve_with_unseen, finding_curve, unseen_of
 
 EFFECTS = {"joint_gain": {"gain_4": 1e-3}, "backlash": {"gap_2": np.deg2rad(0.02)}}
-UNSEEN = 40
 
 
 @pytest.fixture(scope="module")
 def start():
-    joints = configurations(UNSEEN, seed=9)
-    unseen = planted(EFFECTS, telling_campaign(UNSEEN, joints_rad=joints), seed=11).calibration
-    return started(replace(planted(EFFECTS), validation=unseen))
+    return started(with_unseen(EFFECTS))
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +33,7 @@ def test_they_stand_where_they_were_measured_and_on_the_line(start, selected):
 
     turns_deg = np.rad2deg(start.campaign.validation.stops.joints_rad[:, 3])
     assert set(curve.unseen.x.round(6)) <= set(turns_deg.round(6))
-    assert len(curve.unseen.x) > 0.9 * UNSEEN
+    assert len(curve.unseen.x) > 0.9 * len(turns_deg)
     line = np.interp(curve.unseen.x, curve.line_x, curve.line)
     off = (curve.unseen.residual - line) / curve.unseen.standard_uncertainty
     # what the parameters are not known adds little to noise of one component

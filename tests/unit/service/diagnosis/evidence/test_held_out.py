@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import make_start, planted, select_from, started, those_of
-from tests.helpers.identification.synthetic import NOISE_MM, configurations
+from tests.helpers.diagnosis.point_scenes import START
+from tests.helpers.diagnosis.selections import make_start, select_from, started, those_of, with_unseen
+from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
 from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
 from truepose.diagnosis.screening.candidates import pool_candidates
@@ -90,8 +90,7 @@ def selected(start):
 @pytest.fixture(scope="module")
 def judged_elsewhere():
     """A start with forty validation readings of configurations of their own, and what was picked."""
-    unseen = planted(GAIN_4, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11).calibration
-    start = started(replace(planted(GAIN_4), validation=unseen), START)
+    start = started(with_unseen(GAIN_4), START)
     return start, select_from(start, propose_for(start))
 
 
