@@ -87,9 +87,13 @@ def from_document(kind: type[T], document: Any) -> T:
         # another version's record. A traceback would be called a fault of the program, and end the session.
         return cast(T, _decode(kind, document))
     except _UNLIKE as error:
-        raise DamagedDatabaseError(
-            f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
-        ) from error
+        raise _unreadable(getattr(kind, "__name__", str(kind)), error) from error
+
+
+def _unreadable(what: str, error: Exception) -> DamagedDatabaseError:
+    return DamagedDatabaseError(
+        f"A stored {what} cannot be read ({error}); 'truepose verify' says what else is damaged."
+    )
 
 
 def from_json(text: str) -> Any:
@@ -97,9 +101,7 @@ def from_json(text: str) -> Any:
     try:
         return json.loads(text)
     except ValueError as error:
-        raise DamagedDatabaseError(
-            f"A stored document cannot be read ({error}); 'truepose verify' says what else is damaged."
-        ) from error
+        raise _unreadable("document", error) from error
 
 
 def _decode(hint: Any, document: Any) -> Any:
@@ -222,9 +224,7 @@ def unpack(kind: type[T], data: bytes) -> T:
         blocks = _blocks(data)
         document = json.loads(blocks[0].tobytes(), object_hook=lambda entry: _entry(entry, blocks))
     except (*_UNLIKE, *_NO_BLOCKS) as error:
-        raise DamagedDatabaseError(
-            f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
-        ) from error
+        raise _unreadable(kind.__name__, error) from error
     return from_document(kind, document)
 
 

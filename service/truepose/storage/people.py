@@ -11,10 +11,11 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, func, or_, select
 
 from truepose.domain.people import Person, Role
-from truepose.storage.database import Database
 from truepose.storage.engine.raw_connection import plain
+from truepose.storage.queries import Repository
 from truepose.storage.record_insertion import add_row, add_rows
 from truepose.storage.records import Page
+from truepose.storage.rows import from_row, to_row
 from truepose.storage.secret_files import take_out_pins
 from truepose.storage.tables import acts, credentials, people, person_states, revocations
 
@@ -74,11 +75,8 @@ class EnteredPeople:
     places: tuple[ShownAt, ...]  # each once, as of the newest sign-in there
 
 
-class CredentialRepository:
+class CredentialRepository(Repository):
     """All queries about people and what opens the service to them."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def entered(self) -> EnteredPeople:
         """Return everything that counts now."""
@@ -136,22 +134,11 @@ def _exchanged(
 
 
 def _added(connection: Connection, new: Iterable[NewCredential]) -> tuple[CredentialRecord, ...]:
-    numbers = [
-        add_row(
-            connection,
-            credentials,
-            kind=one.kind.value,
-            person_id=one.person_id,
-            hash=one.hash,
-            expires_at=one.expires_at,
-            document=one.document,
-        )
-        for one in new
-    ]
+    numbers = [add_row(connection, credentials, **to_row(one, credentials)) for one in new]
     found = connection.execute(
         select(credentials).where(credentials.c.id.in_(numbers)).order_by(credentials.c.id)
     )
-    return tuple(map(_credential, found))
+    return tuple(from_row(CredentialRecord, row) for row in found)
 
 
 def _entered(connection: Connection) -> EnteredPeople:
@@ -168,10 +155,8 @@ def _entered(connection: Connection) -> EnteredPeople:
         .order_by(credentials.c.id)
     )
     return EnteredPeople(
-        tuple(
-            Person(row.id, row.name, Role(row.role), bool(row.active)) for row in connection.execute(known)
-        ),
-        tuple(_credential(row) for row in connection.execute(valid)),
+        tuple(from_row(Person, row) for row in connection.execute(known)),
+        tuple(from_row(CredentialRecord, row) for row in connection.execute(valid)),
         connection.scalar(select(func.max(credentials.c.recorded_at))),
         _places(connection),
     )
@@ -187,13 +172,6 @@ def _places(connection: Connection) -> tuple[ShownAt, ...]:
         if address:
             newest[row.person_id, address] = ShownAt(row.person_id, address, row.recorded_at)
     return tuple(newest.values())
-
-
-def _credential(row: Row[Any]) -> CredentialRecord:
-    kind = CredentialKind(row.kind)
-    return CredentialRecord(
-        row.id, row.recorded_at, kind, row.person_id, row.hash, row.expires_at, row.document
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,43 +199,37 @@ class ActRecord:
     act: PersonsAct
 
 
-class ActRepository:
+class ActRepository(Repository):
     """All queries about acts."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def add(self, several: Sequence[PersonsAct]) -> None:
         """Keep acts in their order, all or none."""
-        rows = [{name: getattr(act, name) for name in _COLUMNS} for act in several]
+        rows = [to_row(act, acts) for act in several]
         # Not `write_new`: what people did is recorded also while only the reserve is left.
         await self._database.write(lambda connection: add_rows(connection, acts, rows))
 
     async def page(self, page: Page, search: str = "") -> list[ActRecord]:
         """Return acts in which `search` stands, oldest first."""
         query = _found(search).where(acts.c.id > page.after).order_by(acts.c.id).limit(page.limit)
-        return await self._read(query)
+        return await self._each(query, _record)
 
     async def newest(self, before: int | None, limit: int, search: str = "") -> list[ActRecord]:
         """Return the acts before number `before`, newest first."""
         query = _found(search).order_by(acts.c.id.desc()).limit(limit)
-        return await self._read(query if before is None else query.where(acts.c.id < before))
+        return await self._each(query if before is None else query.where(acts.c.id < before), _record)
 
     async def with_reason(self, operation: str, resource: str) -> list[ActRecord]:
         """Return the acts of an operation on a resource that succeeded and gave a reason, oldest first."""
         done = (acts.c.operation == operation) & (acts.c.resource == resource) & (acts.c.status < 400)
-        return await self._read(select(acts).where(done, acts.c.reason.is_not(None)).order_by(acts.c.id))
+        query = select(acts).where(done, acts.c.reason.is_not(None)).order_by(acts.c.id)
+        return await self._each(query, _record)
 
     async def count(self, search: str = "") -> int:
         """Return in how many acts `search` stands."""
         query = select(func.count()).select_from(_found(search).subquery())
-        return await self._database.read(lambda c: c.execute(query).scalar_one())
-
-    async def _read(self, query: Select[Any]) -> list[ActRecord]:
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._value(query) or 0
 
 
-_COLUMNS = tuple(PersonsAct.__dataclass_fields__)
 _SEARCHED = (acts.c.person, acts.c.operation, acts.c.resource, acts.c.reason, acts.c.address)
 
 
@@ -268,4 +240,4 @@ def _found(search: str) -> Select[Any]:
 
 
 def _record(row: Row[Any]) -> ActRecord:
-    return ActRecord(row.id, row.recorded_at, PersonsAct(*(getattr(row, name) for name in _COLUMNS)))
+    return from_row(ActRecord, row, act=from_row(PersonsAct, row))

@@ -1,4 +1,4 @@
-"""Records as every repository is asked for them: one, a page of them, the newest."""
+"""What every repository does: it asks its database, for one record, a page of them, the newest."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -51,7 +51,34 @@ def part_of(
     return Part(tuple(read(row) for row in some), total, some[-1].id if len(rows) > len(some) else None)
 
 
-class NumberedRecords(Generic[R]):
+class Repository:
+    """Asks a database about records of some kind."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def _rows(self, query: Select[Any]) -> Sequence[Any]:
+        return await self._database.read(lambda c: c.execute(query).all())
+
+    async def _row(self, query: Select[Any]) -> Row[Any] | None:
+        """Return the one row that a query finds at most."""
+        return await self._database.read(lambda c: c.execute(query).one_or_none())
+
+    async def _values(self, query: Select[Any]) -> list[Any]:
+        """Return the first column of each row."""
+        return await self._database.read(lambda c: [*c.scalars(query)])
+
+    async def _value(self, query: Select[Any]) -> Any | None:
+        """Return the first column of the first row; None where there is no row."""
+        return await self._database.read(lambda c: c.scalar(query))
+
+    async def _each(self, query: Select[Any], read: Callable[[Row[Any]], R]) -> list[R]:
+        """Return what `read` makes of each row."""
+        # Documents are read where the query runs: of a long one the event loop would notice.
+        return await self._database.read(lambda c: [read(row) for row in c.execute(query)])
+
+
+class NumberedRecords(Repository, Generic[R]):
     """Records of one kind, each found by the number of its row in `table`.
 
     `select_all` makes the query of all of them, `read` a record of one of its rows.
@@ -65,24 +92,30 @@ class NumberedRecords(Generic[R]):
         select_all: Callable[[], Select[Any]],
         read: Callable[[Row[Any]], R],
     ) -> None:
-        self._database = database
+        super().__init__(database)
         self._kind = kind
         self._id = table.c.id
+        self._recorded_at = table.c.recorded_at
         self._select_all = select_all
         self._read = read
 
     async def get(self, number: int) -> R:
         """Return a record; raises NotFoundError."""
-        query = self._select_all().where(self._id == number)
-        found = await self._listed(query)
+        found = await self._each(self._select_all().where(self._id == number), self._read)
         if not found:
             raise NotFoundError(self._kind, number)
         return found[0]
 
     async def require(self, number: int) -> None:
         """Raise NotFoundError where there is no record of that number; what it holds is not looked at."""
-        if not await self._database.read(lambda c: c.scalar(select(self._id).where(self._id == number))):
+        await self._content(self._id, number)
+
+    async def _content(self, column: Column[Any], number: int) -> Any:
+        """Return what one record has in a column; raises NotFoundError."""
+        found = await self._value(select(column).where(self._id == number))
+        if found is None:
             raise NotFoundError(self._kind, number)
+        return found
 
     async def page(self, page: Page, *conditions: ColumnElement[bool]) -> Part[R]:
         """Return records of which all conditions hold, oldest first."""
@@ -92,8 +125,8 @@ class NumberedRecords(Generic[R]):
     async def newest(self, count: int, *conditions: ColumnElement[bool]) -> list[R]:
         """Return the latest records of which all conditions hold, newest first."""
         query = self._select_all().where(*conditions)
-        return await self._listed(query.order_by(self._id.desc()).limit(count))
+        return await self._each(query.order_by(self._id.desc()).limit(count), self._read)
 
-    async def _listed(self, query: Select[Any]) -> list[R]:
-        # Documents are read where the query runs: of a long one the event loop would notice.
-        return await self._database.read(lambda c: [self._read(row) for row in c.execute(query)])
+    async def newest_of(self, count: int, month: str) -> list[R]:
+        """Return the latest records of a month (`2026-11`), or of all where it is empty, newest first."""
+        return await self.newest(count, self._recorded_at.startswith(month))

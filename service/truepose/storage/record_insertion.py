@@ -12,11 +12,11 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, Table, bindparam, insert, select
 from sqlalchemy.sql.dml import ReturningInsert
 
-from truepose.storage.database import Database
 from truepose.storage.engine.dialects import as_kept, newest_number
 from truepose.storage.engine.raw_connection import plain
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.integrity.hash_chain import linking
+from truepose.storage.queries import Repository
 from truepose.storage.records import EventRecord, Page, RequestKey
 from truepose.storage.tables import events, readings, request_keys
 
@@ -130,11 +130,8 @@ def add_event(
     add_row(connection, events, kind=kind, document=document, **of)
 
 
-class EventRepository:
+class EventRepository(Repository):
     """Reads events; they are written by the repositories of what happened."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def after(
         self, page: Page, *, session_id: int | None = None, job_id: int | None = None
@@ -149,7 +146,7 @@ class EventRepository:
     async def newest(self) -> int:
         """Return the number of the newest event, 0 before the first."""
         query = select(events.c.id).order_by(events.c.id.desc()).limit(1)
-        return int(await self._database.read(lambda c: c.scalar(query)) or 0)
+        return int(await self._value(query) or 0)
 
 
 @cache  # asked at every commit by everybody who follows: making it takes longer than its answer

@@ -6,21 +6,19 @@ from sqlalchemy import Connection, Row, select
 
 from truepose.domain.cell import Closing, JudgedPaper
 from truepose.domain.session import PlannedStop
-from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError
+from truepose.storage.queries import Repository
 from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import AddedStops, AdditionRecord, RequestKey
+from truepose.storage.rows import from_row, to_row
 from truepose.storage.tables import added_stops, closings
 
 _RESOURCE = "added stops"
 
 
-class AddedStopsRepository:
+class AddedStopsRepository(Repository):
     """All queries about what was added to plans."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def add(self, added: AddedStops, key: RequestKey | None = None) -> int:
         """Keep what was added and return its number."""
@@ -35,7 +33,7 @@ class AddedStopsRepository:
         table = added_stops
         query = select(table.c.diagnosis_id).where(table.c.session_id == session_id)
         asked = query.where(table.c.diagnosis_id.is_not(None)).order_by(table.c.id.desc()).limit(1)
-        return await self._database.read(lambda c: c.scalar(asked))
+        return await self._value(asked)
 
 
 def stops_added_to(connection: Connection, session_id: int) -> tuple[PlannedStop, ...]:
@@ -53,7 +51,7 @@ def additions_to(connection: Connection, session_id: int) -> list[AdditionRecord
 
 
 def _addition(row: Row[Any]) -> AddedStops:
-    return AddedStops(row.session_id, row.person, _stops(row.document), row.diagnosis_id)
+    return from_row(AddedStops, row, stops=_stops(row.document))
 
 
 def _stops(document: list[Any]) -> tuple[PlannedStop, ...]:
@@ -62,14 +60,7 @@ def _stops(document: list[Any]) -> tuple[PlannedStop, ...]:
 
 def _add(connection: Connection, added: AddedStops) -> int:
     document = to_document(added.stops)
-    number = add_row(
-        connection,
-        added_stops,
-        session_id=added.session_id,
-        person=added.person,
-        diagnosis_id=added.diagnosis_id,
-        document=document,
-    )
+    number = add_row(connection, added_stops, **to_row(added, added_stops), document=document)
     told = {"person": added.person, "stops": document, "diagnosis_id": added.diagnosis_id}
     add_event(connection, "session.stops_added", told, session_id=added.session_id)
     return number
@@ -83,11 +74,8 @@ def _answered(connection: Connection, key: RequestKey) -> AddedStops | None:
     return _addition(row)
 
 
-class ClosingRepository:
+class ClosingRepository(Repository):
     """All queries about closings."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def keep(self, closing: Closing) -> Closing:
         """Store a closing and return it with its time; raises ConflictError where there is one."""
@@ -102,15 +90,8 @@ def _keep(connection: Connection, closing: Closing) -> Closing:
     before = _found(connection, closing.session_id)
     if before is not None:
         raise ConflictError(f"Session {closing.session_id} was closed as {before.closed_as} already.")
-    add_row(
-        connection,
-        closings,
-        session_id=closing.session_id,
-        closed_as=closing.closed_as,
-        person=closing.person,
-        reason=closing.reason,
-        document=to_document(closing.certificates),
-    )
+    document = to_document(closing.certificates)
+    add_row(connection, closings, **to_row(closing, closings), document=document)
     told = {"closed_as": closing.closed_as, "person": closing.person, "reason": closing.reason}
     add_event(connection, "session.closed", told, session_id=closing.session_id)
     return _closing(connection.execute(select(closings).order_by(closings.c.id.desc()).limit(1)).one())
@@ -123,4 +104,4 @@ def _found(connection: Connection, session_id: int) -> Closing | None:
 
 def _closing(row: Row[Any]) -> Closing:
     certificates = tuple(from_document(JudgedPaper, one) for one in row.document)
-    return Closing(row.session_id, row.closed_as, row.person, row.reason, certificates, row.recorded_at)
+    return from_row(Closing, row, certificates=certificates, closed_at=row.recorded_at)

@@ -18,7 +18,6 @@ from truepose.domain.session import (
     StopSkipped,
     config_of,
 )
-from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.ledger.sessions import (
@@ -28,10 +27,11 @@ from truepose.storage.ledger.sessions import (
     add_state,
 )
 from truepose.storage.ledger.tracker_readings import add_fixed_nest, add_point
-from truepose.storage.queries import Part, part_of
+from truepose.storage.queries import Part, Repository, part_of
 from truepose.storage.record_insertion import add_event, add_row
 from truepose.storage.records import CommandAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.results.campaigns import in_cell
+from truepose.storage.rows import to_row
 from truepose.storage.tables import act_answers, readings, session_entries, sessions
 
 
@@ -39,16 +39,8 @@ def add_line(
     connection: Connection, session_id: int, entry: LedgerEntry, document: Any, reading_id: int | None = None
 ) -> int:
     """Append a line inside the caller's transaction and return its number; its length is in `document`."""
-    return add_row(
-        connection,
-        session_entries,
-        session_id=session_id,
-        step_id=entry.step_id,
-        kind=entry.kind.value,
-        key=entry.key,
-        document=document,
-        reading_id=reading_id,
-    )
+    about = {"session_id": session_id, "document": document, "reading_id": reading_id}
+    return add_row(connection, session_entries, **to_row(entry, session_entries), **about)
 
 
 def tell_line(connection: Connection, session_id: int, entry: LedgerEntry, number: int) -> None:
@@ -75,11 +67,8 @@ def line_document(entry: LedgerEntry) -> dict[str, Any]:
 _ROLE: Final = select(sessions.c.role).where(sessions.c.id == bindparam("session_id"))
 
 
-class LedgerRepository:
+class LedgerRepository(Repository):
     """All queries about what happened in sessions."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def append(self, session_id: int, entry: LedgerEntry) -> int:
         """Keep an entry and return its number once it is on disk.
@@ -101,7 +90,7 @@ class LedgerRepository:
     async def whole(self, session_id: int) -> list[LedgerRecord]:
         """Return all entries of a session, oldest first."""
         query = _records_of(session_id).order_by(session_entries.c.id)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._each(query, _record)
 
     async def of_session(self, session_id: int) -> "SessionLedger":
         """Return the ledger of one session, with what is in it so far."""
@@ -110,23 +99,21 @@ class LedgerRepository:
     async def newest(self, session_id: int) -> int | None:
         """Return the number of the newest entry of a session; None before the first."""
         query = select(func.max(session_entries.c.id)).where(session_entries.c.session_id == session_id)
-        return await self._database.read(lambda c: c.scalar(query))
+        return await self._value(query)
 
     async def newest_at(self, *steps: str, simulated: bool) -> LedgerRecord | None:
         """Return the newest entry of these steps in any session of a simulated cell, or of a real one."""
         table = session_entries
         query = _records().join(sessions, sessions.c.id == table.c.session_id)
         query = query.where(table.c.step_id.in_(steps), in_cell(sessions.c.setup, simulated=simulated))
-        row = await self._database.read(
-            lambda c: c.execute(query.order_by(table.c.id.desc()).limit(1)).one_or_none()
-        )
+        row = await self._row(query.order_by(table.c.id.desc()).limit(1))
         return None if row is None else _record(row)
 
     async def entry_with(self, session_id: int, key: str) -> LedgerRecord | None:
         """Return the entry that a request with this key caused; None where none did."""
         table = session_entries
         query = _records().where(table.c.session_id == session_id, table.c.key == key)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        row = await self._row(query)
         return None if row is None else _record(row)
 
     async def keep_answer(self, session_id: int, key: RequestKey, answer: CommandAnswer) -> None:
@@ -137,7 +124,7 @@ class LedgerRepository:
         """Return what a request with this key was answered; raises KeyReusedError for another request's."""
         table = act_answers
         query = select(table).where(table.c.session_id == session_id, table.c.key == key.key)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        row = await self._row(query)
         if row is None:
             return None
         if row.fingerprint != key.fingerprint:

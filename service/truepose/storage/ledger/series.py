@@ -70,8 +70,7 @@ class SeriesRepository(NumberedRecords[SeriesRecord]):
             .order_by(deliveries.c.first)
             .limit(page.limit)  # each holds one at least
         )
-        rows = await self._database.read(lambda connection: connection.execute(query).all())
-        found = [one for row in rows for one in _numbered(row) if one.number > page.after]
+        found = [one for row in await self._rows(query) for one in _numbered(row) if one.number > page.after]
         return found[: page.limit]
 
 

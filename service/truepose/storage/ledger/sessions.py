@@ -2,10 +2,10 @@
 
 import asyncio
 import dataclasses
-import functools
+from functools import cache, partial
 from typing import Any, TypeAlias
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
+from sqlalchemy import ColumnElement, Connection, Select, case, exists, func, select
 
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.contacts import ContactPlan
@@ -24,13 +24,14 @@ from truepose.messages.message import Text, message
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, text_from, to_document
 from truepose.storage.engine.dialects import entries_at, is_object_at, length_at, text_at
-from truepose.storage.errors import ConflictError, NotFoundError
+from truepose.storage.errors import ConflictError
 from truepose.storage.ledger.added_stops import additions_to, stops_added_to
 from truepose.storage.ledger.pose_counts import measured_poses, skipped_poses
 from truepose.storage.queries import NumberedRecords
 from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import AdditionRecord, RequestKey, SessionRecord, SessionSetup, StateChange
 from truepose.storage.results.campaigns import in_cell, is_simulated, simulated_session
+from truepose.storage.rows import from_row
 from truepose.storage.tables import (
     added_stops,
     events,
@@ -86,7 +87,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     """All queries about sessions."""
 
     def __init__(self, database: Database) -> None:
-        super().__init__(database, "session", sessions, _records, _record)
+        super().__init__(database, "session", sessions, _records, partial(from_row, SessionRecord))
 
     async def add(
         self, name: str, setup: SessionSetup, plan: AnyPlan, key: RequestKey | None = None, notice: Text = ""
@@ -103,10 +104,6 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
         return await self._database.write_new(lambda c: once(c, key, "session", create))
 
-    async def newest_of(self, count: int, month: str) -> list[SessionRecord]:
-        """Return the latest sessions of a month (`2026-11`), or of all where it is empty, newest first."""
-        return await self.newest(count, sessions.c.recorded_at.startswith(month))
-
     async def require_intact(self, session_id: int) -> None:
         """Raise DamagedDatabaseError where a record of a session is not as it was written."""
         await self._database.require_intact(session_id)
@@ -114,7 +111,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     async def chain_head(self, session_id: int) -> str:
         """Return the hash of the newest link of a session's records, in hexadecimal."""
         query = select(links.c.hash).where(links.c.stream == session_id).order_by(links.c.id.desc()).limit(1)
-        newest = await self._database.read(lambda c: c.scalar(query))
+        newest = await self._value(query)
         return "" if newest is None else bytes(newest).hex()
 
     async def answered(self, key: RequestKey) -> int | None:
@@ -123,16 +120,15 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
     async def in_state(self, *states: SessionState) -> list[SessionRecord]:
         """Return the sessions that stand in one of `states`, oldest first."""
-        return await self._listed(
-            _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
-        )
+        query = _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
+        return await self._each(query, self._read)
 
     async def with_ballbar(self, *, simulated: bool) -> list[int]:
         """Return the ballbar sessions of a simulated cell, or of a real one, newest first."""
         query = select(sessions.c.id).where(
             sessions.c.role == "ballbar", in_cell(sessions.c.setup, simulated=simulated)
         )
-        return await self._database.read(lambda c: list(c.scalars(query.order_by(sessions.c.id.desc()))))
+        return await self._values(query.order_by(sessions.c.id.desc()))
 
     async def has_finished(self, robot: str, serial_number: str) -> bool:
         """Whether a real session of this robot has finished."""
@@ -144,7 +140,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
             .where(text_at(cell, "$.cell.robot.name") == robot)
             .where(func.coalesce(text_at(cell, "$.cell.robot_serial_number"), "") == serial_number)
         )
-        return bool(await self._database.read(lambda c: c.execute(select(one.exists())).scalar_one()))
+        return bool(await self._value(select(one.exists())))
 
     async def plan(self, session_id: int) -> SessionPlan:
         """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""
@@ -157,7 +153,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
             raise ConflictError(
                 f"Session {session_id} is one of closed loops; its plan is at sessions/{session_id}/plan."
             )
-        document = await self._column(sessions.c.plan, session_id)
+        document = await self._content(sessions.c.plan, session_id)
         # A plan has up to 5,000 stops; read on the loop it would hold up the samples of a session under way.
         plan = await asyncio.to_thread(from_document, SessionPlan, document)
         added = await self._database.read(lambda c: stops_added_to(c, session_id))
@@ -165,29 +161,21 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
     async def ballbar_plan(self, session_id: int) -> BallbarPlan:
         """Return what a ballbar session does; raises NotFoundError."""
-        return from_document(BallbarPlan, await self._column(sessions.c.plan, session_id))
+        return from_document(BallbarPlan, await self._content(sessions.c.plan, session_id))
 
     async def contact_plan(self, session_id: int) -> ContactPlan:
         """Return what a session of closed loops does; raises NotFoundError."""
-        return from_document(ContactPlan, await self._column(sessions.c.plan, session_id))
+        return from_document(ContactPlan, await self._content(sessions.c.plan, session_id))
 
     async def setup(self, session_id: int) -> SessionSetup:
         """Return what the session is measured with; raises NotFoundError."""
-        return from_document(SessionSetup, await self._column(sessions.c.setup, session_id))
-
-    async def _column(self, column: Any, session_id: int) -> Any:
-        query = select(column).where(sessions.c.id == session_id)
-        document = await self._database.read(lambda c: c.scalar(query))
-        if document is None:
-            raise NotFoundError("session", session_id)
-        return document
+        return from_document(SessionSetup, await self._content(sessions.c.setup, session_id))
 
     async def states(self, session_id: int) -> list[StateChange]:
         """Return every state that the session was in, oldest first."""
         table = session_states
         query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
-        rows = await self._database.read(lambda c: c.execute(query).all())
-        return [StateChange(r.recorded_at, SessionState(r.state), r.reason, r.person) for r in rows]
+        return await self._each(query, partial(from_row, StateChange))
 
     async def additions(self, session_id: int) -> list[AdditionRecord]:
         """Return who added configurations to the plan, oldest first."""
@@ -196,7 +184,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     async def skipped(self, session_id: int) -> list[StopSkipped]:
         """Return what was not measured, oldest first."""
         query = _lines(session_id, EntryKind.SKIPPED).order_by(session_entries.c.id)
-        lines = await self._database.read(lambda c: c.scalars(query).all())
+        lines = await self._values(query)
         stops = ((config_of(line["step_id"]), line) for line in lines)
         return [
             StopSkipped(config, line["time_s"], text_from(line.get("text", "")))
@@ -209,15 +197,14 @@ class SessionRepository(NumberedRecords[SessionRecord]):
         document = session_entries.c.document
         placed = _lines(session_id, EntryKind.COMPUTED).where(is_object_at(document, "$.registration"))
         newest = placed.order_by(session_entries.c.id.desc()).limit(1)
-        line = await self._database.read(lambda c: c.scalar(newest))
+        line = await self._value(newest)
         return None if line is None else from_document(Registration, line["registration"])
 
     async def identities(self, session_id: int) -> list[IdentityTaken]:
         """Return which devices answered and who accepted them, oldest first."""
         told = (events.c.session_id == session_id) & (events.c.kind == IDENTITY)
         query = select(events.c.document).where(told).order_by(events.c.id)
-        documents = await self._database.read(lambda c: c.scalars(query).all())
-        return [from_document(IdentityTaken, document) for document in documents]
+        return [from_document(IdentityTaken, document) for document in await self._values(query)]
 
     async def note(self, session_id: int, text: Text) -> None:
         """Keep a sentence."""
@@ -226,13 +213,13 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     async def notes(self, session_id: int) -> list[Text]:
         """Return the sentences kept, oldest first."""
         query = select(notes.c.text).where(notes.c.session_id == session_id).order_by(notes.c.id)
-        return await self._database.read(lambda c: list(c.scalars(query)))
+        return await self._values(query)
 
     async def progress(self, session_id: int) -> Progress | None:
         """Return how far the session was when it last said so."""
         told = (events.c.session_id == session_id) & (events.c.kind == PROGRESS)
         query = select(events.c.document).where(told).order_by(events.c.id.desc()).limit(1)
-        document = await self._database.read(lambda c: c.scalar(query))
+        document = await self._value(query)
         return None if document is None else from_document(Progress, document)
 
 
@@ -241,7 +228,7 @@ def _lines(session_id: int, kind: EntryKind) -> Select[tuple[Any]]:
     return select(entry.document).where(entry.session_id == session_id, entry.kind == kind.value)
 
 
-@functools.cache
+@cache
 def _records() -> Select[Any]:
     # Made once: to put it together takes longer than the database takes to answer it.
     later = session_states.alias("later")
@@ -305,11 +292,3 @@ def _skipped() -> ColumnElement[int]:
 
 def _by_role(ballbar: Any, points: Any) -> ColumnElement[int]:
     return case((sessions.c.role == "ballbar", ballbar), else_=points)
-
-
-def _record(row: Row[Any]) -> SessionRecord:
-    return SessionRecord(**{
-        **row._asdict(),
-        "state": SessionState(row.state),
-        "simulated": bool(row.simulated),
-    })

@@ -14,9 +14,10 @@ from truepose.domain.ledger import EntryKind
 from truepose.domain.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.queries import NumberedRecords, Part, Repository
 from truepose.storage.record_insertion import add_event, add_row
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
+from truepose.storage.rows import from_row
 from truepose.storage.tables import readings, session_entries
 
 Taken = TypeVar("Taken", PointTaken, FixedNestTaken)
@@ -40,11 +41,11 @@ def add_fixed_nest(connection: Connection, session_id: int, reading: FixedNestTa
     return _add(connection, session_id, reading, None, reading.fixed_nest, None)
 
 
-class ReadingRepository:
+class ReadingRepository(Repository):
     """All queries about readings; they are written with the line of the ledger that brings them."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._every = NumberedRecords(database, "reading", readings, _records, _record)
 
     async def get(self, reading_id: int) -> ReadingRecord:
@@ -80,9 +81,7 @@ class ReadingRepository:
     ) -> list[Taken]:
         wanted = (readings.c.session_id == session_id, readings.c.kind == _KINDS[kind], *conditions)
         query = select(readings.c.document).where(*wanted).order_by(readings.c.id)
-        return await self._database.read(
-            lambda c: [from_document(kind, row.document) for row in c.execute(query)]
-        )
+        return await self._each(query, lambda row: from_document(kind, row.document))
 
 
 _SUCCESSOR = readings.alias("successor")
@@ -160,4 +159,4 @@ def _add(
 
 def _record(row: Row[Any]) -> ReadingRecord:
     taken: PointTaken | FixedNestTaken = from_document(_TYPES[row.kind], row.document)
-    return ReadingRecord(row.id, row.session_id, row.recorded_at, row.supersedes, row.superseded_by, taken)
+    return from_row(ReadingRecord, row, reading=taken)

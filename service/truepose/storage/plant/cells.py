@@ -15,9 +15,11 @@ from sqlalchemy import CTE, ColumnElement, Connection, Row, Table, func, select
 
 from truepose.storage.database import Database
 from truepose.storage.errors import NotInPlantError
-from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, Outcome, Visit, VisitRecord
+from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, Visit, VisitRecord
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal, plant_visits
+from truepose.storage.queries import Repository
 from truepose.storage.record_insertion import add_row
+from truepose.storage.rows import from_row, to_row
 
 
 def enter_cell(connection: Connection, name: str) -> None:
@@ -139,11 +141,11 @@ def _streams(branch_id: int) -> CTE:
     return before.union_all(select(following).where(before.c.stream.is_not(None)))
 
 
-class VisitRepository:
+class VisitRepository(Repository):
     """All queries about visits."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._kept: dict[str, VisitRecord] = {}  # the newest one to each cell, since the start
         self._found: dict[str, VisitRecord] = {}  # the same, as it was found last
 
@@ -172,7 +174,7 @@ class VisitRepository:
             .order_by(plant_visits.c.id.desc())
             .limit(limit)
         )
-        kept = await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        kept = await self._each(query, _record)
         found = self._found.get(cell)
         return [found if found is not None and found.id == record.id else record for record in kept]
 
@@ -197,16 +199,10 @@ def _keep(connection: Connection, cell: str, visit: Visit) -> VisitRecord:
     number = add_row(
         connection,
         plant_visits,
+        **to_row(visit, plant_visits),
         cell_id=cell_id,
-        outcome=visit.outcome.value,
-        sentence=visit.sentence,
-        collected=visit.collected,
-        newest=visit.newest,
-        head=visit.head,
-        fork=visit.fork,
         clock_offset_s=None if visit.clock is None else visit.clock.offset_s,
         clock_bound_s=None if visit.clock is None else visit.clock.bound_s,
-        version=visit.version,
         cell_schema=visit.schema,
     )
     return _record(connection.execute(select(plant_visits).where(plant_visits.c.id == number)).one())
@@ -234,15 +230,5 @@ def _now() -> str:
 
 def _record(row: Row[Any]) -> VisitRecord:
     clock = None if row.clock_offset_s is None else ClockSeen(row.clock_offset_s, row.clock_bound_s)
-    visit = Visit(
-        Outcome(row.outcome),
-        row.sentence,
-        row.collected,
-        row.newest,
-        row.head,
-        row.fork,
-        clock,
-        row.version,
-        row.cell_schema,
-    )
+    visit = from_row(Visit, row, clock=clock, schema=row.cell_schema)
     return VisitRecord(row.id, row.recorded_at, visit, row.recorded_at)

@@ -1,21 +1,18 @@
 """Certificates as the records of cells state them; they follow the serial number, whichever cell says it."""
 
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 from sqlalchemy import Connection, select
 
 from truepose.domain.cell import Paper, Standing
-from truepose.storage.database import Database
-from truepose.storage.plant.records import Branch, CollectedLink
+from truepose.storage.plant.records import DAY, Branch, CollectedLink, Document, document_in
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_certificates
+from truepose.storage.queries import Repository
 from truepose.storage.record_insertion import add_row
-
-Document: TypeAlias = Mapping[str, Any]
-_DAY: Final = 10  # letters of a date at the beginning of a time
+from truepose.storage.rows import to_row
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +31,8 @@ class CertificateRecord:
             return "undated"
 
 
-class PlantCertificates:
+class PlantCertificates(Repository):
     """All queries about certificates."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def of_instrument(self, serial_number: str) -> list[CertificateRecord]:
         """Return every certificate that was stated for a serial number, the one that holds longest first."""
@@ -59,8 +53,7 @@ class PlantCertificates:
         return sorted(counting.values(), key=lambda found: found.paper.expires)
 
     async def _all(self, query: Any) -> list[CertificateRecord]:
-        rows = await self._database.read(lambda connection: connection.execute(query).all())
-        return [_stated_paper(*row) for row in rows]
+        return [_stated_paper(*row) for row in await self._rows(query)]
 
 
 def _stated() -> Any:
@@ -94,7 +87,7 @@ def add_certificates(
     connection: Connection, branch: Branch, link: CollectedLink, papers: Iterable[Paper]
 ) -> None:
     """Add certificates that were not stated before, inside the caller's transaction."""
-    day = str((link.row or {}).get("recorded_at", ""))[:_DAY]
+    day = str((link.row or {}).get("recorded_at", ""))[:DAY]
     for paper in papers:
         # Every session states all certificates of its cell: only what is new is a row.
         if not _is_known(connection, branch, paper):
@@ -104,9 +97,7 @@ def add_certificates(
                 branch_id=branch.id,
                 link=link.link,
                 what=paper.of,
-                serial_number=paper.serial_number,
-                certificate=paper.certificate,
-                expires=paper.expires,
+                **to_row(paper, plant_certificates),
                 stated_on=day,
             )
 
@@ -121,7 +112,7 @@ def _is_known(connection: Connection, branch: Branch, paper: Paper) -> bool:
 
 
 def _of_session(row: Document) -> Iterator[Paper]:
-    cell = json.loads(str(row["setup"])).get("cell", {})
+    cell = document_in(row, "setup").get("cell", {})
     bar = cell.get("ballbar") or {}
     stated = (*cell.get("devices", ()), bar.get("instrument"), bar.get("calibrator"))
     for one in (*stated, cell.get("tool"), cell.get("world")):
@@ -131,13 +122,13 @@ def _of_session(row: Document) -> Iterator[Paper]:
 
 
 def _of_closing(row: Document) -> Iterator[Paper]:
-    for judged in json.loads(str(row["document"])):
+    for judged in document_in(row, "document"):
         yield Paper(**judged["paper"])
 
 
 def _of_campaign(row: Document) -> Iterator[Paper]:
     """Yield what was said of the instrument where readings were brought; one without a number is no one's."""
-    said = json.loads(str(row["summary"]))
+    said = document_in(row, "summary")
     if said.get("instrument_serial_number"):
         values = ("instrument", "instrument_serial_number", "certificate")
         yield Paper(*(str(said.get(value) or "") for value in values))

@@ -14,11 +14,12 @@ from truepose.storage.database import Database
 from truepose.storage.documents import to_document
 from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.plant.cells import cell_number
-from truepose.storage.plant.records import HandDown, HandDownKind, HandDownRecord, HandDownState
+from truepose.storage.plant.records import HandDown, HandDownRecord, HandDownState
 from truepose.storage.plant.tables import plant_cells, plant_hand_down_states, plant_hand_downs
-from truepose.storage.queries import Part
+from truepose.storage.queries import NumberedRecords, Part, Repository, part_of
 from truepose.storage.record_insertion import add_row, once
 from truepose.storage.records import Page, RequestKey
+from truepose.storage.rows import from_row, to_row
 from truepose.storage.tables import hand_down_uses, handed_down, models
 
 
@@ -53,16 +54,14 @@ class HandedDownRecord:
     model_id: int | None  # as which it was accepted; None: it was not
 
 
-class HandedDownRepository:
+class HandedDownRepository(Repository):
     """All queries about what was handed down to this cell."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def add(self, new: NewHandedDown, key: RequestKey) -> int:
         """Keep what a plant hands down, once for each key; raises KeyReusedError."""
+        row = to_row(new, handed_down)
         return await self._database.write_new(
-            lambda c: once(c, key, "handed_down", lambda i: _add_received(i, new))
+            lambda c: once(c, key, "handed_down", lambda inner: add_row(inner, handed_down, **row))
         )
 
     async def get(self, number: int) -> HandedDownRecord:
@@ -71,7 +70,10 @@ class HandedDownRepository:
 
     async def page(self, page: Page) -> Part[HandedDownRecord]:
         """Return what was handed down, oldest first."""
-        return await self._database.read(lambda connection: _received_page(connection, page))
+        query, number = select(handed_down), handed_down.c.id
+        return await self._database.read(
+            lambda c: part_of(c, query, number, page, lambda row: _received_record(c, row))
+        )
 
     async def newest(self, count: int, before: int | None = None) -> list[HandedDownRecord]:
         """Return what was handed down last, or last before a number, newest first."""
@@ -114,18 +116,6 @@ def _accept(connection: Connection, number: int, model: Model, person: str) -> i
     return made
 
 
-def _add_received(connection: Connection, new: NewHandedDown) -> int:
-    return add_row(
-        connection,
-        handed_down,
-        plant=new.plant,
-        kind=new.kind,
-        name=new.name,
-        person=new.person,
-        document=dict(new.document),
-    )
-
-
 def _get(connection: Connection, number: int) -> HandedDownRecord:
     row = connection.execute(select(handed_down).where(handed_down.c.id == number)).one_or_none()
     if row is None:
@@ -133,29 +123,24 @@ def _get(connection: Connection, number: int) -> HandedDownRecord:
     return _received_record(connection, row)
 
 
-def _received_page(connection: Connection, page: Page) -> Part[HandedDownRecord]:
-    query = select(handed_down).where(handed_down.c.id > page.after).order_by(handed_down.c.id)
-    rows = connection.execute(query.limit(page.limit + 1)).all()
-    some = rows[: page.limit]
-    total = connection.scalar(select(func.count()).select_from(handed_down)) or 0
-    following = some[-1].id if len(rows) > len(some) else None
-    return Part(tuple(_received_record(connection, row) for row in some), total, following)
-
-
 def _received_record(connection: Connection, row: Row[Any]) -> HandedDownRecord:
     of_it = hand_down_uses.c.handed_down_id == row.id
     used = connection.execute(select(hand_down_uses).where(of_it).order_by(hand_down_uses.c.id))
-    uses = tuple(Use(use.recorded_at, use.person, use.note) for use in used)
-    new = NewHandedDown(row.plant, row.kind, row.name, row.person, row.document)
     accepted = connection.scalar(select(models.c.id).where(models.c.handed_down_id == row.id))
-    return HandedDownRecord(row.id, row.recorded_at, new, uses, accepted)
+    return from_row(
+        HandedDownRecord,
+        row,
+        handed_down=from_row(NewHandedDown, row),
+        uses=tuple(from_row(Use, use) for use in used),
+        model_id=accepted,
+    )
 
 
-class HandDownRepository:
+class HandDownRepository(NumberedRecords[HandDownRecord]):
     """All queries about hand-downs."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database, "hand-down", plant_hand_downs, _records, _sent_record)
 
     async def add(self, hand_down: HandDown, key: RequestKey | None = None) -> int:
         """Keep what is to be handed down at the next visit; return its number."""
@@ -163,23 +148,11 @@ class HandDownRepository:
             lambda c: once(c, key, "hand_down", lambda inner: _add_sent(inner, hand_down))
         )
 
-    async def get(self, number: int) -> HandDownRecord:
-        """Return a hand-down; raises NotFoundError."""
-        query = _records().where(plant_hand_downs.c.id == number)
-        row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("hand-down", number)
-        return _sent_record(row)
-
-    async def page(self, page: Page) -> Part[HandDownRecord]:
-        """Return hand-downs, oldest first."""
-        return await self._database.read(lambda connection: _sent_page(connection, page))
-
     async def waiting(self, cell: str) -> list[HandDownRecord]:
         """Return what a cell is to have and has not yet, oldest first."""
         none_yet = plant_hand_down_states.c.id.is_(None)
         query = _records().where(plant_cells.c.name == cell, none_yet).order_by(plant_hand_downs.c.id)
-        return await self._database.read(lambda c: [_sent_record(row) for row in c.execute(query)])
+        return await self._each(query, _sent_record)
 
     async def note(
         self, number: int, state: HandDownState, sentence: str, number_in_cell: int | None
@@ -192,43 +165,32 @@ class HandDownRepository:
 
 
 def _add_sent(connection: Connection, hand_down: HandDown) -> int:
-    return add_row(
-        connection,
-        plant_hand_downs,
-        cell_id=cell_number(connection, hand_down.cell),
-        kind=hand_down.kind.value,
-        name=hand_down.name,
-        person=hand_down.person,
-        document=dict(hand_down.document),
-    )
-
-
-def _sent_page(connection: Connection, page: Page) -> Part[HandDownRecord]:
-    query = _records().where(plant_hand_downs.c.id > page.after).order_by(plant_hand_downs.c.id)
-    rows = connection.execute(query.limit(page.limit + 1)).all()
-    some = rows[: page.limit]
-    total = connection.scalar(select(func.count()).select_from(plant_hand_downs)) or 0
-    following = some[-1].id if len(rows) > len(some) else None
-    return Part(tuple(_sent_record(row) for row in some), total, following)
+    number = cell_number(connection, hand_down.cell)
+    return add_row(connection, plant_hand_downs, cell_id=number, **to_row(hand_down, plant_hand_downs))
 
 
 def _records() -> Select[Any]:
     every, states = plant_hand_down_states.alias("every"), plant_hand_down_states
     of_it = every.c.hand_down_id == plant_hand_downs.c.id
     newest = select(func.max(every.c.id)).where(of_it).correlate(plant_hand_downs).scalar_subquery()
-    columns = (states.c.state, states.c.sentence, states.c.number_in_cell)
-    return (
-        select(
-            plant_hand_downs, plant_cells.c.name.label("cell"), *columns, states.c.recorded_at.label("since")
-        )
-        .join(plant_cells, plant_cells.c.id == plant_hand_downs.c.cell_id)
-        .outerjoin(states, states.c.id == newest)
+    of_cell = plant_hand_downs.join(plant_cells, plant_cells.c.id == plant_hand_downs.c.cell_id)
+    columns = (
+        states.c.state,
+        states.c.sentence,
+        states.c.number_in_cell,
+        states.c.recorded_at.label("since"),
     )
+    found = select(plant_hand_downs, plant_cells.c.name.label("cell"), *columns)
+    return found.select_from(of_cell.outerjoin(states, states.c.id == newest))
 
 
 def _sent_record(row: Row[Any]) -> HandDownRecord:
-    told = HandDown(row.cell, HandDownKind(row.kind), row.name, row.person, row.document)
-    # A hand-down without a state was never answered: nothing is written before the cell has said something.
-    state = HandDownState.WAITING if row.state is None else HandDownState(row.state)
-    since = row.since or row.recorded_at
-    return HandDownRecord(row.id, row.recorded_at, told, state, row.sentence or "", row.number_in_cell, since)
+    return from_row(
+        HandDownRecord,
+        row,
+        hand_down=from_row(HandDown, row),
+        # One without a state was never answered: nothing is written before the cell has said something.
+        state=HandDownState(row.state or HandDownState.WAITING),
+        sentence=row.sentence or "",
+        state_since=row.since or row.recorded_at,
+    )

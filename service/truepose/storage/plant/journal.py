@@ -29,9 +29,10 @@ from truepose.storage.plant.cells import (
 from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, CollectedLink, Outcome
 from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal
-from truepose.storage.queries import Part
+from truepose.storage.queries import Part, Repository
 from truepose.storage.record_insertion import add_rows
 from truepose.storage.records import Page
+from truepose.storage.rows import from_row, to_row
 
 # With a reader for each of 40 cells that were away the plant's first page came after 8 to 15 s (commit
 # b31a704e).
@@ -60,14 +61,14 @@ class CollectionProgress:
         return head_of(self.position, self.heads)
 
 
-class JournalRepository:
+class JournalRepository(Repository):
     """All queries about journals.
 
     What the next links of a cell rest on is read once, when it first answers, and goes on with each page.
     """
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._known: dict[int, CollectionProgress] = {}  # by branch
         self._reading = asyncio.Semaphore(_CHAINS_AT_ONCE)
 
@@ -122,7 +123,7 @@ class JournalRepository:
         """Return a record as it came, as JSON with typed values; None: it was not collected."""
         wanted = (plant_journal.c.record == record) & (plant_journal.c.record_id == record_id)
         query = select(plant_journal.c.content).where(plant_journal.c.branch_id == branch_id, wanted)
-        return await self._database.read(lambda connection: connection.scalar(query))
+        return await self._value(query)
 
     async def _heads(self, branch: Branch, at: int) -> Mapping[int, bytes]:
         async with self._reading:
@@ -150,23 +151,11 @@ def _keep(
     follows = position(connection, branch) + 1
     if not page or page[0].link != follows:
         raise CollectedMeanwhileError(f"Link {follows} comes next; somebody has collected meanwhile.")
-    add_rows(connection, plant_journal, [_row(branch, link) for link in page])
+    rows = [{"branch_id": branch.id, **to_row(link, plant_journal)} for link in page]
+    add_rows(connection, plant_journal, rows)
     # In the same transaction: what can be looked up never lacks a link that is kept, nor knows one that is
     # not.
     project(connection, branch, page, clock)
-
-
-def _row(branch: Branch, link: CollectedLink) -> dict[str, Any]:
-    return {
-        "branch_id": branch.id,
-        "link": link.link,
-        "stream": link.stream,
-        "record": link.record,
-        "record_id": link.record_id,
-        "hash": link.hash,
-        "content": link.content,
-        "verified": int(link.verified),
-    }
 
 
 def _accept(connection: Connection, cell: str, known: CollectionProgress, person: str, reason: str) -> None:
@@ -206,11 +195,8 @@ class JournalLine:
     verified: bool
 
 
-class JournalLines:
+class JournalLines(Repository):
     """All queries that read journals line by line."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def of(self, cell: str, page: Page, record: str | None = None) -> Part[JournalLine]:
         """Return lines of a cell in the order of collecting, of one kind of record or of all.
@@ -254,15 +240,5 @@ def _that_fit(sizes: Sequence[int]) -> int:
 
 
 def _line(row: Row[Any]) -> JournalLine:
-    return JournalLine(
-        row.id,
-        row.recorded_at,
-        row.branch_id,
-        row.link,
-        row.stream,
-        row.record,
-        row.record_id,
-        bytes(row.hash),
-        None if row.content is None else json.loads(row.content),
-        bool(row.verified),
-    )
+    content = None if row.content is None else json.loads(row.content)
+    return from_row(JournalLine, row, branch=row.branch_id, row=content)

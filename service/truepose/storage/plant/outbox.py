@@ -23,11 +23,11 @@ from typing import Any, Final, TypeAlias
 
 from sqlalchemy import Connection, Row, RowMapping, select
 
-from truepose.storage.database import Database
 from truepose.storage.engine.dialects import as_kept
 from truepose.storage.engine.raw_connection import plain
 from truepose.storage.errors import UnreadableRowError
 from truepose.storage.integrity.head_hash import Head, head_after
+from truepose.storage.queries import Repository
 from truepose.storage.tables import LARGE, links, metadata
 
 # A list of what leaves: a table that nobody has thought of stays at home.
@@ -247,11 +247,8 @@ class ChainPosition:
     hash: bytes | None  # of that link; None: of a chain without any
 
 
-class Outbox:
+class Outbox(Repository):
     """All queries about what leaves a cell."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def stand(self, at: int | None = None) -> ChainPosition:
         """Return the head of the chain as it was at a link, by default as it is."""

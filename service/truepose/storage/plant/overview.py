@@ -23,8 +23,8 @@ from truepose.storage.plant.queries import (
     with_cells,
     with_last_days,
 )
-from truepose.storage.plant.records import day_said
-from truepose.storage.plant.result_projections import Document, ToldKind
+from truepose.storage.plant.records import Document, day_said
+from truepose.storage.plant.result_projections import ToldKind
 from truepose.storage.plant.tables import (
     plant_branches,
     plant_cells,
@@ -34,6 +34,7 @@ from truepose.storage.plant.tables import (
     plant_sessions,
     plant_told,
 )
+from truepose.storage.queries import Repository
 
 _KINDS: Final[tuple[ToldKind, ...]] = ("campaign", "model", "validation", "diagnosis", "identification")
 _EVERY: Final = plant_told.alias("every")
@@ -83,14 +84,14 @@ class _Before:
                 self.found[told.robot_serial_number][told.kind] = told
 
 
-class PlantResults:
+class PlantResults(Repository):
     """All queries about what results tell.
 
     What was told never changes: the newest of each robot is read once a day, and then only what came since.
     """
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._before = _Before()
         self._day = ""  # up to which what follows counts
         self._newest: defaultdict[str, dict[ToldKind, ResultFacts]] = defaultdict(dict)
@@ -216,25 +217,22 @@ def result_figures(row: Row[Any]) -> ResultFacts:
 _RECORD: Final = "campaigns"
 
 
-class CollectedCampaigns:
+class CollectedCampaigns(Repository):
     """All queries about campaigns in the journals of cells."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def all(self, robot: str | None = None) -> list[ResultRecord]:
         """Return the campaigns of all robots, or of a type, in the order in which they were collected."""
         query = results_seen().where(plant_results.c.kind == "campaign").order_by(plant_results.c.id)
         if robot is not None:
             query = query.where(plant_results.c.robot == robot)
-        return await self._database.read(lambda c: [result_seen(row) for row in c.execute(query)])
+        return await self._each(query, result_seen)
 
     async def content(self, campaign: ResultRecord) -> bytes:
         """Return a campaign as its cell has stored it; raises DamagedDatabaseError where it is not there."""
         here = plant_journal.c.branch_id == campaign.branch_id
         of_it = (plant_journal.c.record == _RECORD) & (plant_journal.c.record_id == campaign.record_id)
         query = select(plant_journal.c.content).where(here, of_it)
-        text = await self._database.read(lambda connection: connection.scalar(query))
+        text = await self._value(query)
         row = {} if text is None else from_typed_json(from_json(text))
         found = row.get("campaign")
         if not isinstance(found, bytes):
@@ -265,11 +263,8 @@ class RecentArrivals:
     newest: list[ResultRecord]  # the latest of them, newest first
 
 
-class PlantOverview:
+class PlantOverview(Repository):
     """All queries about a plant as a whole."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def robots(self, upto: date) -> list[RobotMeasured]:
         """Return every robot with its last day up to one; a later one where it has no other.
@@ -291,7 +286,7 @@ class PlantOverview:
         """Return how many campaigns of a type of robot were collected after one."""
         here = (plant_results.c.kind == "campaign") & (plant_results.c.id > number)
         query = select(func.count()).select_from(plant_results).where(here, plant_results.c.robot == robot)
-        return await self._database.read(lambda connection: connection.scalar(query) or 0)
+        return await self._value(query) or 0
 
     async def newest_branches(self) -> dict[str, int]:
         """Return the branch of each cell that its own numbers are those of."""
@@ -300,8 +295,7 @@ class PlantOverview:
             .join(plant_branches, plant_branches.c.cell_id == plant_cells.c.id)
             .group_by(plant_cells.c.name)
         )
-        rows = await self._database.read(lambda connection: connection.execute(query).all())
-        return dict(tuple(row) for row in rows)
+        return dict(tuple(row) for row in await self._rows(query))
 
 
 def _robots(connection: Connection, upto: str, *conditions: ColumnElement[bool]) -> list[RobotMeasured]:

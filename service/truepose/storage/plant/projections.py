@@ -4,17 +4,24 @@ Only what is on record counts, in the order of the chain, so that a plant that w
 same. A day is that of the cell's clock; how far that was off is kept beside each result.
 """
 
-import json
 import logging
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 from sqlalchemy import ColumnElement, Connection, Table, select
 
 from truepose.storage.plant.cells import newest_row
-from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
+from truepose.storage.plant.records import (
+    DAY,
+    Branch,
+    ClockSeen,
+    CollectedLink,
+    Document,
+    day_of,
+    document_in,
+)
 from truepose.storage.plant.result_projections import UNKNOWN_FORM, tell
 from truepose.storage.plant.tables import (
     plant_days,
@@ -24,10 +31,9 @@ from truepose.storage.plant.tables import (
     plant_sessions,
 )
 from truepose.storage.record_insertion import add_row
+from truepose.storage.rows import from_row, to_row
 
-Document: TypeAlias = Mapping[str, Any]
 _LOG: Final = logging.getLogger(__name__)
-_DAY: Final = 10  # letters of a date at the beginning of a time
 _MEASURED: Final = "measured"
 
 
@@ -75,13 +81,13 @@ class _Seen:
         self._days: Counter[tuple[int, str]] = Counter()
 
     def session(self, link: CollectedLink, row: Document) -> None:
-        cell = _json(row, "setup").get("cell", {})
+        cell = document_in(row, "setup").get("cell", {})
         robot = str(cell.get("robot", {}).get("name", ""))
         known = _Known("", robot, str(cell.get("robot_serial_number", "")), _instrument(cell))
         self._keep_session(link.record_id, known)
 
     def entry(self, link: CollectedLink, row: Document) -> None:
-        document = _json(row, "document")
+        document = document_in(row, "document")
         if row.get("kind") == _MEASURED and row.get("reading_id") is None:
             self.reading(link, row)  # a length of a ballbar is a line of its own
         identity = document.get("identity") or {}
@@ -90,12 +96,12 @@ class _Seen:
             self._identified(int(row["session_id"]), identity)
 
     def reading(self, _link: CollectedLink, row: Document) -> None:
-        self._days[int(row["session_id"]), str(row["recorded_at"])[:_DAY]] += 1
+        self._days[int(row["session_id"]), day_of(row)] += 1
 
     def campaign(self, link: CollectedLink, row: Document) -> None:
-        summary, sessions = _json(row, "summary"), json.loads(str(row["session_ids"]))
+        summary, sessions = document_in(row, "summary"), document_in(row, "session_ids")
         of_session = self._known_session(sessions[0]) if sessions else _Known()
-        day = summary.get("measured_on") or (str(row["recorded_at"])[:_DAY] if sessions else "")
+        day = summary.get("measured_on") or (day_of(row) if sessions else "")
         known = replace(
             of_session,
             name=str(row["name"]),
@@ -111,13 +117,13 @@ class _Seen:
     def diagnosis(self, link: CollectedLink, row: Document) -> None:
         known = self._known("campaign", row.get("campaign_id"))
         serial = str(row.get("robot_serial_number") or known.robot_serial_number)
-        day = str(row.get("measured_at") or "")[:_DAY] or known.measured_on
+        day = str(row.get("measured_at") or "")[:DAY] or known.measured_on
         self._result(link, "diagnosis", replace(known, robot_serial_number=serial, measured_on=day))
 
     def model(self, link: CollectedLink, row: Document) -> None:
         # A hand-down names no session: it is for the robot that stands in the cell.
         if row.get("handed_down_id") is not None:
-            day = str(row["recorded_at"])[:_DAY]  # on which it was accepted for the robot of the cell
+            day = day_of(row)  # on which it was accepted for the robot of the cell
             self._result(link, "model", replace(self._newest_of(str(row["robot"])), measured_on=day))
             return
         of = ("diagnosis", row.get("diagnosis_id"))
@@ -133,8 +139,8 @@ class _Seen:
 
     def closing(self, link: CollectedLink, row: Document) -> None:
         known = self._known_session(row.get("session_id"))
-        day = str(row["recorded_at"])[:_DAY]
-        self._result(link, "closing", replace(known, name=str(row["closed_as"]), measured_on=day))
+        closed = replace(known, name=str(row["closed_as"]), measured_on=day_of(row))
+        self._result(link, "closing", closed)
 
     def made_of(self, kind: str, origin: str, link: CollectedLink, row: Document) -> None:
         """Add a result that has everything from another one."""
@@ -143,17 +149,9 @@ class _Seen:
     def add_days(self) -> None:
         """Add how much was measured on which day; told last, when every session of the page is known."""
         for (session_id, day), readings in sorted(self._days.items()):
-            known = self._known_session(session_id)
-            add_row(
-                self._connection,
-                plant_days,
-                branch_id=self._branch.id,
-                session_id=session_id,
-                measured_on=day,
-                robot_serial_number=known.robot_serial_number,
-                instrument_serial_number=known.instrument_serial_number,
-                readings=readings,
-            )
+            known = replace(self._known_session(session_id), measured_on=day)
+            about = {"branch_id": self._branch.id, "session_id": session_id, "readings": readings}
+            add_row(self._connection, plant_days, **about, **to_row(known, plant_days))
 
     def _identified(self, session_id: int, identity: Document) -> None:
         known, serial = self._known_session(session_id), str(identity["serial"])
@@ -168,15 +166,8 @@ class _Seen:
 
     def _keep_session(self, session_id: int, known: _Known) -> None:
         self._note(known)
-        add_row(
-            self._connection,
-            plant_sessions,
-            branch_id=self._branch.id,
-            session_id=session_id,
-            robot=known.robot,
-            robot_serial_number=known.robot_serial_number,
-            instrument_serial_number=known.instrument_serial_number,
-        )
+        about = {"branch_id": self._branch.id, "session_id": session_id}
+        add_row(self._connection, plant_sessions, **about, **to_row(known, plant_sessions))
 
     def _result(self, link: CollectedLink, kind: str, known: _Known) -> None:
         self._note(known)
@@ -188,7 +179,7 @@ class _Seen:
             link=link.link,
             record_id=link.record_id,
             clock_offset_s=self._offset_s,
-            **{name: getattr(known, name) for name in _Known.__dataclass_fields__},
+            **to_row(known, plant_results),
         )
 
     def _note(self, known: _Known) -> None:
@@ -207,8 +198,7 @@ class _Seen:
         """Return what is known of an earlier result of the same chain."""
         here = (plant_results.c.kind == kind) & (plant_results.c.record_id == record_id)
         found = newest_row(self._connection, self._branch, plant_results, here, by_link=True)
-        names = _Known.__dataclass_fields__
-        return _Known() if found is None else _Known(**{name: getattr(found, name) for name in names})
+        return _Known() if found is None else from_row(_Known, found)
 
     def _known_session(self, session_id: Any) -> _Known:
         return self._session_where(plant_sessions.c.session_id == session_id) or _Known()
@@ -220,9 +210,7 @@ class _Seen:
 
     def _session_where(self, condition: ColumnElement[bool]) -> _Known | None:
         found = newest_row(self._connection, self._branch, plant_sessions, condition, by_link=False)
-        if found is None:
-            return None
-        return _Known("", found.robot, found.robot_serial_number, found.instrument_serial_number)
+        return None if found is None else from_row(_Known, found, name="", measured_on="")
 
 
 def _instrument(cell: Document) -> str:
@@ -236,10 +224,6 @@ def _instrument(cell: Document) -> str:
 def _stated(summary: Document, name: str) -> str:
     """Return what an upload says; empty: nothing."""
     return str(summary.get(name) or "")
-
-
-def _json(row: Document, column: str) -> Any:
-    return json.loads(str(row[column]))
 
 
 _RECORDS: Final[Mapping[str, Callable[[_Seen, CollectedLink, Document], None]]] = {

@@ -1,14 +1,13 @@
 """What pages and programs ask a plant for: robots, instruments, results, each by an index."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from typing import Any, Final, Literal, TypeAlias, TypeVar
 
 from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, Table, cast, func, select
 
-from truepose.storage.database import Database
 from truepose.storage.engine.dialects import TEXT
 from truepose.storage.errors import NotFoundError, NotInPlantError
 from truepose.storage.plant.records import day_said
@@ -20,7 +19,7 @@ from truepose.storage.plant.tables import (
     plant_results,
     plant_robots,
 )
-from truepose.storage.queries import Part
+from truepose.storage.queries import Part, Repository, part_of
 from truepose.storage.records import Page
 
 ResultKind: TypeAlias = Literal[
@@ -96,11 +95,8 @@ _Told: TypeAlias = Callable[[Row[Any], LastDay], Seen]
 _WHOSE: Final = {plant_robots: "robot_serial_number", plant_instruments: "instrument_serial_number"}
 
 
-class PlantQueries:
+class PlantQueries(Repository):
     """All queries about what a plant has seen."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def robots(self, page: Page, upto: date) -> Part[RobotRecord]:
         """Return robots in the order in which they were first seen, each with its last day up to one.
@@ -123,13 +119,13 @@ class PlantQueries:
 
     async def results(self, kind: ResultKind, page: Page) -> Part[ResultRecord]:
         """Return results of a kind in the order in which they were collected."""
-        of_kind = plant_results.c.kind == kind
-        return await self._database.read(lambda c: _results_part(c, of_kind, page))
+        query, number = results_seen().where(plant_results.c.kind == kind), plant_results.c.id
+        return await self._database.read(lambda c: part_of(c, query, number, page, result_seen))
 
     async def result(self, number: int) -> ResultRecord:
         """Return one result; raises NotFoundError."""
         query = results_seen().where(plant_results.c.id == number)
-        row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
+        row = await self._row(query)
         if row is None:
             raise NotFoundError("result", number)
         return result_seen(row)
@@ -164,33 +160,25 @@ class PlantQueries:
     async def _life(self, condition: ColumnElement[bool], limit: int) -> list[ResultRecord]:
         newest = (plant_results.c.measured_on.desc(), plant_results.c.id.desc())
         query = results_seen().where(condition).order_by(*newest).limit(limit)
-        return await self._database.read(lambda c: [result_seen(row) for row in c.execute(query)])
+        return await self._each(query, result_seen)
 
     async def _days(self, condition: ColumnElement[bool]) -> list[DayMeasured]:
-        columns = (
-            plant_cells.c.name,
-            plant_days.c.measured_on,
-            plant_days.c.robot_serial_number,
-            plant_days.c.instrument_serial_number,
-            plant_days.c.readings,
-        )
         query = (
-            select(*columns)
-            .join(plant_branches, plant_branches.c.id == plant_days.c.branch_id)
-            .join(plant_cells, plant_cells.c.id == plant_branches.c.cell_id)
+            select(plant_cells.c.name.label("cell"), plant_days)
+            .select_from(with_cells(plant_days))
             .where(condition)
             .order_by(plant_days.c.measured_on.desc())
             .limit(_MOST_DAYS)
         )
-        rows = await self._database.read(lambda connection: connection.execute(query).all())
-        return _summed(rows)
+        return _summed(await self._rows(query))
 
 
 def _summed(rows: Iterable[Any]) -> list[DayMeasured]:
     """Return days with all their readings: a day of a session may lie in several pages of a chain."""
     readings: Counter[tuple[str, str, str, str]] = Counter()
-    for cell, day, robot, instrument, count in rows:
-        readings[day, cell, robot, instrument] += count
+    for row in rows:
+        of = (row.measured_on, row.cell, row.robot_serial_number, row.instrument_serial_number)
+        readings[of] += row.readings
     return [
         DayMeasured(cell, day, robot, instrument, count)
         for (day, cell, robot, instrument), count in sorted(readings.items())
@@ -198,21 +186,12 @@ def _summed(rows: Iterable[Any]) -> list[DayMeasured]:
 
 
 def _seen_part(connection: Connection, table: Table, page: Page, upto: str, seen: _Told[Seen]) -> Part[Seen]:
-    query = _seen(table, upto).where(table.c.id > page.after).order_by(table.c.id).limit(page.limit + 1)
-    found = [seen(row, last) for row, last in with_last_days(connection, query, upto)]
-    return _cut(connection, found, select(func.count()).select_from(table), page)
+    cells = cells_of_branches(connection)
 
+    def read(row: Row[Any]) -> Seen:
+        return seen(row, _later(row[-2:], cells, upto))
 
-def _results_part(connection: Connection, condition: ColumnElement[bool], page: Page) -> Part[ResultRecord]:
-    query = results_seen().where(condition, plant_results.c.id > page.after).order_by(plant_results.c.id)
-    found = [result_seen(row) for row in connection.execute(query.limit(page.limit + 1))]
-    return _cut(connection, found, select(func.count()).select_from(plant_results).where(condition), page)
-
-
-def _cut(connection: Connection, found: Sequence[Any], count: Any, page: Page) -> Part[Any]:
-    some = found[: page.limit]
-    following = some[-1].id if len(found) > len(some) else None
-    return Part(tuple(some), connection.scalar(count) or 0, following)
+    return part_of(connection, _seen(table, upto), table.c.id, page, read)
 
 
 def _seen(table: Table, upto: str) -> Any:

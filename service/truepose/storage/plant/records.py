@@ -1,10 +1,14 @@
 """What the storage of a plant takes and hands out."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
-from typing import Any
+from typing import Any, Final, TypeAlias
+
+Document: TypeAlias = Mapping[str, Any]
+DAY: Final = 10  # letters of a date at the beginning of a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +123,16 @@ class HandDownRecord:
     sentence: str
     number_in_cell: int | None
     state_since: str
+
+
+def day_of(row: Document) -> str:
+    """Return the day on which a record was written, by the cell's clock."""
+    return str(row["recorded_at"])[:DAY]
+
+
+def document_in(row: Document, column: str) -> Any:
+    """Return the document that a record of a cell has in a column."""
+    return json.loads(str(row[column]))
 
 
 def day_said(text: str) -> str:

@@ -4,7 +4,6 @@ A record of a form that nobody here knows raises one of UNKNOWN_FORM. A figure t
 nothing: no page can show it, and not every database keeps it.
 """
 
-import json
 import logging
 import math
 from collections.abc import Callable, Mapping
@@ -15,11 +14,11 @@ from sqlalchemy import Connection
 
 from truepose.storage.plant.cells import newest_row
 from truepose.storage.plant.certificates import add_certificates, stated_certificates
-from truepose.storage.plant.records import Branch, CollectedLink
+from truepose.storage.plant.records import Branch, CollectedLink, Document, day_of, document_in
 from truepose.storage.plant.tables import plant_results, plant_told
 from truepose.storage.record_insertion import add_row
+from truepose.storage.rows import to_row
 
-Document: TypeAlias = Mapping[str, Any]
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]
 # Whatever reading an unknown document may raise. No error of the storage is among them: those end the
 # transaction.
@@ -78,19 +77,19 @@ def _figure(value: Any) -> float | None:
 
 
 def _session(row: Document) -> Projection:
-    cell = _json(row, "setup").get("cell", {})
+    cell = document_in(row, "setup").get("cell", {})
     tool, base = cell.get("tool") or {}, cell.get("base_nominal") or {}
     named = [str(tool.get(name) or "") for name in ("name", "serial_number")]
     return Projection("session", document={"tool": " ".join(filter(None, named)), "base": [*base.values()]})
 
 
 def _campaign(row: Document) -> Projection:
-    sessions = _json(row, "session_ids")
+    sessions = document_in(row, "session_ids")
     return Projection("campaign", made_of=("session", int(sessions[0])) if sessions else None)
 
 
 def _identification(row: Document) -> Projection:
-    found = _json(row, "document")
+    found = document_in(row, "document")
     held_out = found.get("validation") or found.get("cross_validation") or {}
     after, before = (_mean(held_out.get(model)) for model in ("identified", "nominal"))
     told = {"before_mm": before}
@@ -98,7 +97,7 @@ def _identification(row: Document) -> Projection:
 
 
 def _diagnosis(row: Document) -> Projection:
-    found = _json(row, "summary")
+    found = document_in(row, "summary")
     told = {
         "before_mm": _mean(found.get("before")),
         "asks": len(found.get("next_measurements", ())),
@@ -116,7 +115,7 @@ def _cause(finding: Document) -> dict[str, Any]:
 
 
 def _validation(row: Document) -> Projection:
-    found = _json(row, "document")
+    found = document_in(row, "document")
     identified, limit = found["position"]["identified"], found["limit_mm"]
     figure = identified["mean_mm"] if limit is None else identified["max_mm"]
     told = {"promised": limit is None, "model": row.get("model_id")}
@@ -143,10 +142,6 @@ def _mean(statistics: Document | None) -> float | None:
     return None if statistics is None else _figure(statistics.get("mean_mm"))
 
 
-def _json(row: Document, column: str) -> Any:
-    return json.loads(str(row[column]))
-
-
 TELLING: Final[Mapping[str, Callable[[Document], Projection]]] = {
     "sessions": _session,
     "campaigns": _campaign,
@@ -158,7 +153,6 @@ TELLING: Final[Mapping[str, Callable[[Document], Projection]]] = {
 
 
 _LOG: Final = logging.getLogger(__name__)
-_DAY: Final = 10  # letters of a date at the beginning of a time
 _CARRIED: Final = ("tool", "base")  # what the robot was measured with: the same for all that was made of it
 
 
@@ -170,7 +164,7 @@ def tell(connection: Connection, branch: Branch, link: CollectedLink, row: Docum
     try:
         found, papers = telling(link.record, row), stated_certificates(link.record, row)
         if found is not None:
-            _add(connection, branch, link, found, str(row["recorded_at"])[:_DAY])
+            _add(connection, branch, link, found, day_of(row))
         add_certificates(connection, branch, link, papers)
     except UNKNOWN_FORM as error:
         _LOG.warning("record %d of the %s tells nothing (%r)", link.record_id, link.record, error)
@@ -183,15 +177,11 @@ def _add(connection: Connection, branch: Branch, link: CollectedLink, found: Pro
         connection,
         plant_told,
         branch_id=branch.id,
-        kind=found.kind,
         link=link.link,
         record_id=link.record_id,
         robot_serial_number=serial,
         measured_on=measured_on,
-        verdict=found.verdict,
-        figure_mm=found.figure_mm,
-        limit_mm=found.limit_mm,
-        document={**carried, **found.document},
+        **to_row(replace(found, document={**carried, **found.document}), plant_told),
     )
 
 

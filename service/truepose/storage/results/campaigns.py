@@ -1,17 +1,17 @@
 """Campaigns, as arrays and as the zip that was uploaded, and where their readings come from."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
-from sqlalchemy import ColumnElement, Connection, Label, Row, Select, case, cast, exists, false, func, select
+from sqlalchemy import ColumnElement, Connection, Label, Select, case, cast, exists, false, func, select
 
 from truepose.storage.database import Database
-from truepose.storage.documents import from_document, to_document
 from truepose.storage.engine.dialects import WHOLE, entries_at, is_object_at, length_at, truth_at
-from truepose.storage.errors import NotFoundError
 from truepose.storage.queries import NumberedRecords
 from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import CampaignRecord, CampaignSummary, RequestKey
+from truepose.storage.rows import from_row, to_row
 from truepose.storage.tables import campaigns, readings, session_entries, sessions
 
 _SIMULATED: Final = "$.cell.simulated"
@@ -112,7 +112,7 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
     """All queries about campaigns; a record is what is known of one without reading it."""
 
     def __init__(self, database: Database) -> None:
-        super().__init__(database, "campaign", campaigns, _records, _record)
+        super().__init__(database, "campaign", campaigns, _records, partial(from_row, CampaignRecord))
 
     async def add(self, campaign: NewCampaign, key: RequestKey | None = None) -> int:
         """Store a campaign and return its number."""
@@ -124,7 +124,7 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip that was uploaded, empty where none was; raises NotFoundError."""
-        return await self._content(campaigns.c.archive, campaign_id)
+        return bytes(await self._content(campaigns.c.archive, campaign_id))
 
     async def measured(self, campaign_id: int) -> tuple[str, str]:
         """Return serial number of the robot and day as sessions and upload say them; empty: they do not."""
@@ -132,14 +132,7 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
 
     async def content(self, campaign_id: int) -> bytes:
         """Return a campaign as `documents.pack` packs it; raises NotFoundError."""
-        return await self._content(campaigns.c.campaign, campaign_id)
-
-    async def _content(self, column: ColumnElement[bytes], campaign_id: int) -> bytes:
-        query = select(column).where(campaigns.c.id == campaign_id)
-        found = await self._database.read(lambda c: c.scalar(query))
-        if found is None:
-            raise NotFoundError("campaign", campaign_id)
-        return bytes(found)
+        return bytes(await self._content(campaigns.c.campaign, campaign_id))
 
 
 def _measured(connection: Connection, campaign_id: int) -> tuple[str, str]:
@@ -148,26 +141,10 @@ def _measured(connection: Connection, campaign_id: int) -> tuple[str, str]:
 
 
 def _add(connection: Connection, campaign: NewCampaign) -> int:
-    number = add_row(
-        connection,
-        campaigns,
-        name=campaign.name,
-        robot=campaign.robot,
-        summary=to_document(campaign.summary),
-        session_ids=list(campaign.session_ids),
-        archive=campaign.archive,
-        campaign=campaign.campaign,
-    )
+    number = add_row(connection, campaigns, **to_row(campaign, campaigns))
     add_event(connection, "campaign.stored", {"campaign_id": number, "name": campaign.name})
     return number
 
 
 def _records() -> Select[Any]:
     return select(*_LISTED, simulated_campaign())
-
-
-def _record(row: Row[Any]) -> CampaignRecord:
-    summary = from_document(CampaignSummary, row.summary)
-    return CampaignRecord(
-        row.id, row.recorded_at, row.name, row.robot, tuple(row.session_ids), bool(row.simulated), summary
-    )

@@ -1,24 +1,22 @@
 """Corrected files: each stored with the end of its job."""
 
-from collections.abc import Callable
+import asyncio
 from dataclasses import dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from sqlalchemy import Column, Connection, Row, Select, func, select
+from sqlalchemy import Row, Select, func, select
 
 from truepose.domain.correction import CorrectedTargets, FileCorrection
 from truepose.messages.message import message as said
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document, unpack
-from truepose.storage.errors import NotFoundError
 from truepose.storage.queries import NumberedRecords, Part
-from truepose.storage.record_insertion import add_row
-from truepose.storage.records import CorrectionRecord, JobState, Page
+from truepose.storage.records import CorrectionRecord, Page
 from truepose.storage.results.campaigns import simulated_campaign
-from truepose.storage.results.jobs import add_job_state
+from truepose.storage.results.jobs import add_result
+from truepose.storage.rows import from_row, to_row
 from truepose.storage.tables import campaigns, corrections, diagnoses, identifications, models
 
-T = TypeVar("T")
 _LISTED: Final = [column for column in corrections.c if column.name not in {"targets", "file"}]
 
 
@@ -43,32 +41,11 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
 
     async def keep(self, job_id: int, model_id: int, made: NewCorrection) -> int:
         """Store a correction and end the job."""
-        document, totals = to_document(made.correction), made.correction.totals
+        totals = made.correction.totals
         message = said("job.corrected", solved=totals.solved, targets=totals.targets)
-
-        def work(connection: Connection) -> int:
-            number = add_row(
-                connection,
-                corrections,
-                job_id=job_id,
-                model_id=model_id,
-                name=made.name,
-                original_sha256=made.original_sha256,
-                corrected_sha256=made.corrected_sha256,
-                asked=made.asked,
-                document=document,
-                targets=made.targets,
-                file=made.file,
-            )
-            add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
-            return number
-
+        values = {"model_id": model_id, "document": to_document(made.correction), **to_row(made, corrections)}
         # Not `write_new`: the job began while there was room, and its end must not be lost for want of it.
-        return await self._database.write(work)
-
-    async def newest_of(self, count: int, month: str) -> list[CorrectionRecord]:
-        """Return the latest corrections of a month (`2026-11`), or of all where it is empty, newest first."""
-        return await self.newest(count, corrections.c.recorded_at.startswith(month))
+        return await self._database.write(lambda c: add_result(c, corrections, job_id, message, **values))
 
     async def of_model(self, model_id: int, page: Page) -> Part[CorrectionRecord]:
         """Return the corrections by a model, oldest first."""
@@ -76,24 +53,13 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
 
     async def file(self, correction_id: int) -> bytes:
         """Return the corrected file; raises NotFoundError."""
-        return await self._content(corrections.c.file, correction_id, bytes)
+        return bytes(await self._content(corrections.c.file, correction_id))
 
     async def targets(self, correction_id: int) -> CorrectedTargets:
         """Return the targets; raises NotFoundError."""
-        return await self._content(
-            corrections.c.targets, correction_id, lambda data: unpack(CorrectedTargets, data)
-        )
-
-    async def _content(self, column: Column[bytes], correction_id: int, read: Callable[[bytes], T]) -> T:
-        query = select(column).where(corrections.c.id == correction_id)
-
-        def work(connection: Connection) -> T:
-            found = connection.scalar(query)
-            if found is None:
-                raise NotFoundError("correction", correction_id)
-            return read(found)
-
-        return await self._database.read(work)
+        packed = await self._content(corrections.c.targets, correction_id)
+        # Of a large file unpacking takes long: off the loop.
+        return await asyncio.to_thread(unpack, CorrectedTargets, packed)
 
 
 def _records() -> Select[Any]:
@@ -109,16 +75,4 @@ def _records() -> Select[Any]:
 
 
 def _record(row: Row[Any]) -> CorrectionRecord:
-    return CorrectionRecord(
-        id=row.id,
-        recorded_at=row.recorded_at,
-        job_id=row.job_id,
-        model_id=row.model_id,
-        robot=row.robot,
-        simulated=bool(row.simulated),
-        name=row.name,
-        original_sha256=row.original_sha256,
-        corrected_sha256=row.corrected_sha256,
-        asked=row.asked,
-        correction=from_document(FileCorrection, row.document),
-    )
+    return from_row(CorrectionRecord, row, correction=from_document(FileCorrection, row.document))

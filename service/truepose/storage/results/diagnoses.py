@@ -10,24 +10,24 @@ from sqlalchemy import Connection, Row, Select, select
 from truepose.domain.diagnosis import Diagnosis, Finding
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.queries import NumberedRecords
 from truepose.storage.record_insertion import add_row
-from truepose.storage.records import DiagnosisRecord, JobState, Page
+from truepose.storage.records import DiagnosisRecord, JobState
 from truepose.storage.results.campaigns import Origin, simulated_campaign
 from truepose.storage.results.jobs import add_job_state
+from truepose.storage.rows import from_row
 from truepose.storage.tables import campaigns, diagnoses, models
 
 _LISTED: Final = [column for column in diagnoses.c if column.name not in {"summary", "document"}]
 
 
-class DiagnosisRepository:
-    """All queries about diagnoses."""
+class DiagnosisRepository(NumberedRecords[DiagnosisRecord]):
+    """All queries about diagnoses; only one by its number comes with its drawings."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
         whole, undrawn = partial(_records, diagnoses.c.document), partial(_records, diagnoses.c.summary)
+        super().__init__(database, "diagnosis", diagnoses, undrawn, _record)
         self._whole = NumberedRecords(database, "diagnosis", diagnoses, whole, _record)
-        self._undrawn = NumberedRecords(database, "diagnosis", diagnoses, undrawn, _record)
 
     async def keep(self, job_id: int, campaign_id: int, found: Diagnosis, measured_on: date | None) -> int:
         """Store a diagnosis, with its model as a record of its own, and end the job.
@@ -63,26 +63,14 @@ class DiagnosisRepository:
 
         return await self._database.write(work)
 
-    async def get(self, diagnosis_id: int) -> DiagnosisRecord:
-        """Return a diagnosis; raises NotFoundError."""
-        return await self._whole.get(diagnosis_id)
-
-    async def page(self, page: Page) -> Part[DiagnosisRecord]:
-        """Return diagnoses without their drawings, oldest first."""
-        return await self._undrawn.page(page)
-
-    async def newest(self, count: int) -> list[DiagnosisRecord]:
-        """Return the latest diagnoses without their drawings, newest first."""
-        return await self._undrawn.newest(count)
+    async def get(self, number: int) -> DiagnosisRecord:
+        """Return a diagnosis with its drawings; raises NotFoundError."""
+        return await self._whole.get(number)
 
     async def newest_of_campaign(self, campaign_id: int) -> DiagnosisRecord | None:
         """Return the latest diagnosis of a campaign without its drawings; None where it has none."""
-        found = await self._undrawn.newest(1, diagnoses.c.campaign_id == campaign_id)
+        found = await self.newest(1, diagnoses.c.campaign_id == campaign_id)
         return found[0] if found else None
-
-    async def newest_of(self, count: int, month: str) -> list[DiagnosisRecord]:
-        """Return the latest diagnoses of a month (`2026-11`), or of all where it is empty, newest first."""
-        return await self._undrawn.newest(count, diagnoses.c.recorded_at.startswith(month))
 
     async def of_robot(self, robot: str, serial_number: str | None = None) -> list[DiagnosisRecord]:
         """Return the diagnoses of robots of that name without their drawings, in the order of storing."""
@@ -90,7 +78,7 @@ class DiagnosisRepository:
         query = _records(diagnoses.c.summary).where(named).order_by(diagnoses.c.id)
         if serial_number is not None:
             query = query.where(diagnoses.c.robot_serial_number == serial_number)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._each(query, _record)
 
 
 def without_drawings(diagnosis: Diagnosis) -> Diagnosis:
@@ -127,15 +115,10 @@ def _records(document: Any) -> Select[Any]:
 
 
 def _record(row: Row[Any]) -> DiagnosisRecord:
-    return DiagnosisRecord(
-        id=row.id,
-        recorded_at=row.recorded_at,
+    return from_row(
+        DiagnosisRecord,
+        row,
         measured_at=row.measured_at or None,
-        job_id=row.job_id,
-        campaign_id=row.campaign_id,
         session_id=row.session_ids[0] if row.session_ids else None,
-        model_id=row.model_id,
-        robot_serial_number=row.robot_serial_number,
-        simulated=bool(row.simulated),
         diagnosis=from_document(Diagnosis, row.told),
     )

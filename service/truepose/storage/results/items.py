@@ -24,6 +24,7 @@ from sqlalchemy.sql.expression import null
 from truepose.storage.engine.dialects import number_at, text_at, truth_at
 from truepose.storage.records import JobKind, JobState
 from truepose.storage.results.campaigns import simulated_campaign, simulated_session
+from truepose.storage.rows import from_row
 from truepose.storage.tables import (
     campaigns,
     corrections,
@@ -78,7 +79,7 @@ class Source:
     table: Table
     joined: FromClause  # the table with what its columns come from
     columns: Mapping[str, Any]  # of `WorkItem`
-    searched: tuple[Any, ...]  # texts
+    searched: tuple[Any, ...] = ()  # texts, besides what the record and its robot are called
     kept: ColumnElement[bool] | None = None  # which of its records are listed; None: all
 
     def numbers(self, kind: WorkKind, texts: tuple[str, ...] = ()) -> Select[Any]:
@@ -97,45 +98,31 @@ class Source:
         number = [self.table.c.id == int(text)] if is_number else []
         # Whatever somebody pastes into the field is compared with every text of every record.
         short = [one for one in (text,) if len(one) < _LONGEST]
-        found = [column.icontains(one, autoescape=True) for one in short for column in self.searched]
+        columns = [self.columns[name] for name in _NAMES if name in self.columns]
+        found = [
+            column.icontains(one, autoescape=True) for one in short for column in (*columns, *self.searched)
+        ]
         # A text that is too long and no number finds nothing; an empty `or_` would find everything.
         return or_(*found, *number, literal(False))
 
     def items(self, kind: WorkKind, *conditions: ColumnElement[bool]) -> Select[Any]:
         """Return the query of whole items."""
-        columns: list[Label[Any]] = [
-            self.columns.get(name, literal("")).label(name) for name in ("name", "robot", "serial_number")
-        ]
-        more = [self.columns.get(name, literal("")).label(name) for name in ("state", "role")]
+        own = literal(kind.value).label("kind"), self.table.c.id, self.table.c.recorded_at
+        texts: list[Label[Any]] = [self.columns.get(name, literal("")).label(name) for name in _TEXTS]
         simulated = self.columns.get("simulated", literal(False)).label("simulated")
-        found = select(
-            literal(kind.value).label("kind"),
-            self.table.c.id,
-            self.table.c.recorded_at,
-            *columns,
-            *more,
-            simulated,
-        )
-        return found.select_from(self.joined).where(*conditions)
+        return select(*own, *texts, simulated).select_from(self.joined).where(*conditions)
 
 
+_NAMES: Final = ("name", "robot", "serial_number")
+_TEXTS: Final = (*_NAMES, "state", "role")
 _LONGEST: Final = 200  # letters of what is searched for
 _NUMBER_DIGITS: Final = 19  # of the largest whole number that a database compares, of 64 bits
 
 
 def item_of(row: Row[Any]) -> WorkItem:
     """Return the item that a row of `Source.items` is."""
-    return WorkItem(
-        kind=WorkKind(row.kind),
-        id=row.id,
-        recorded_at=row.recorded_at,
-        name=row.name or "",
-        robot=row.robot or "",
-        serial_number=row.serial_number or "",
-        state=str(row.state or ""),
-        role=row.role or "",
-        simulated=bool(row.simulated),
-    )
+    texts = {name: str(getattr(row, name) or "") for name in _TEXTS}
+    return from_row(WorkItem, row, **texts)
 
 
 def _of_setup(path: str) -> ColumnElement[Any]:
@@ -152,15 +139,11 @@ def _people() -> Any:
     return named.where(session_states.c.session_id == sessions.c.id).scalar_subquery()
 
 
-def _said(column: Any, path: str) -> ColumnElement[Any]:
-    return text_at(column, path)
-
-
 _PROVES = exists().where(
     job_states.c.job_id == jobs.c.id,
     job_states.c.result_id == sessions.c.id,
     jobs.c.kind == JobKind.PLAN.value,
-    _said(jobs.c.request, "$.proves_model_id").is_not(None),
+    text_at(jobs.c.request, "$.proves_model_id").is_not(None),
 )
 _TESTS = text_at(sessions.c.plan, "$.test").is_not(None)
 _SESSIONS = Source(
@@ -176,16 +159,8 @@ _SESSIONS = Source(
         "role": case((_PROVES, PROOF), (_TESTS, TEST), else_=sessions.c.role),
         "simulated": simulated_session(),
     },
-    (
-        sessions.c.name,
-        _of_setup("robot.name"),
-        _of_setup("robot_serial_number"),
-        _of_setup("name"),
-        _of_setup("devices"),
-        _people(),
-    ),
+    (_of_setup("name"), _of_setup("devices"), _people()),
 )
-_SAID_SERIAL = _said(campaigns.c.summary, "$.robot_serial_number")  # of one that was brought
 _JUDGING = [
     number_at(campaigns.c.summary, f"$.validation_{what}") > 0 for what in ("points", "legs", "contacts")
 ]
@@ -195,11 +170,10 @@ _CAMPAIGNS = Source(
     {
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
-        "serial_number": _SAID_SERIAL,
+        "serial_number": text_at(campaigns.c.summary, "$.robot_serial_number"),  # of one that was brought
         "role": case((or_(*_JUDGING), HELD_OUT), else_=""),
         "simulated": simulated_campaign(),
     },
-    (campaigns.c.name, campaigns.c.robot, _SAID_SERIAL),
 )
 _IDENTIFICATIONS = Source(
     identifications,
@@ -207,10 +181,9 @@ _IDENTIFICATIONS = Source(
     {
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
-        "state": _said(identifications.c.document, "$.status"),
+        "state": text_at(identifications.c.document, "$.status"),
         "simulated": simulated_campaign(),
     },
-    (campaigns.c.name, campaigns.c.robot),
 )
 _DIAGNOSES = Source(
     diagnoses,
@@ -221,15 +194,12 @@ _DIAGNOSES = Source(
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
         "serial_number": diagnoses.c.robot_serial_number,
-        "state": case((models.c.id.is_(None), "not_answered"), else_=_said(diagnoses.c.summary, "$.verdict")),
+        "state": case(
+            (models.c.id.is_(None), "not_answered"), else_=text_at(diagnoses.c.summary, "$.verdict")
+        ),
         "simulated": simulated_campaign(),
     },
-    (
-        campaigns.c.name,
-        campaigns.c.robot,
-        diagnoses.c.robot_serial_number,
-        _said(diagnoses.c.summary, "$.findings"),
-    ),
+    (text_at(diagnoses.c.summary, "$.findings"),),
 )
 _FOUND_BY = func.coalesce(identifications.c.campaign_id, diagnoses.c.campaign_id)
 
@@ -254,7 +224,6 @@ _MODELS = Source(
         "serial_number": diagnoses.c.robot_serial_number,
         "simulated": simulated_campaign(),
     },
-    (campaigns.c.name, handed_down.c.name, models.c.robot, diagnoses.c.robot_serial_number),
 )
 _VALIDATIONS = Source(
     validations,
@@ -265,13 +234,11 @@ _VALIDATIONS = Source(
         "state": case((truth_at(validations.c.document, "$.passed"), "passed"), else_="failed"),
         "simulated": simulated_campaign(),
     },
-    (campaigns.c.name, campaigns.c.robot),
 )
 _CORRECTIONS = Source(
     corrections,
     _with_origin(corrections.join(models, models.c.id == corrections.c.model_id)),
     {"name": corrections.c.name, "robot": models.c.robot, "simulated": simulated_campaign()},
-    (corrections.c.name, models.c.robot),
 )
 _JOB_STATE = _newest(job_states, job_states.c.state, job_states.c.job_id == jobs.c.id)
 _MADE = exists().where(job_states.c.job_id == jobs.c.id, job_states.c.state == JobState.SUCCEEDED.value)
@@ -279,11 +246,11 @@ _JOBS = Source(
     jobs,
     jobs,
     {
-        "name": func.coalesce(_said(jobs.c.request, "$.name"), _said(jobs.c.request, "$.file"), null()),
+        "name": func.coalesce(text_at(jobs.c.request, "$.name"), text_at(jobs.c.request, "$.file"), null()),
         "state": _JOB_STATE,
         "role": jobs.c.kind,
     },
-    (_said(jobs.c.request, "$.name"), _said(jobs.c.request, "$.file")),
+    (text_at(jobs.c.request, "$.file"),),
     ~_MADE,
 )
 

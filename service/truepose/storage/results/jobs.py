@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, Row, ScalarSelect, Select, exists, select
+from sqlalchemy import Connection, Row, ScalarSelect, Select, Table, exists, select
 
 from truepose.messages.message import Text
 from truepose.messages.message import message as said
@@ -14,6 +14,7 @@ from truepose.storage.errors import ConflictError
 from truepose.storage.queries import NumberedRecords
 from truepose.storage.record_insertion import add_event, add_row, answered_number, once
 from truepose.storage.records import JobKind, JobRecord, JobState, JobTaken, RequestKey
+from truepose.storage.rows import from_row
 from truepose.storage.tables import events, job_states, jobs
 
 PROGRESS = "job.progress"
@@ -39,6 +40,15 @@ def add_job_state(
     add_event(
         connection, _STATE, to_document(values) | ({} if code is None else {"code": code}), job_id=job_id
     )
+
+
+def add_result(connection: Connection, table: Table, job_id: int, message: Text, **values: Any) -> int:
+    """Append a result with the end of its job in the caller's transaction, and return its number."""
+    number = add_row(connection, table, job_id=job_id, **values)
+    # Result and end of the job are one transaction: a killed service leaves neither a job without its result
+    # nor a result that is made once more (decision 0052).
+    add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
+    return number
 
 
 _ENDED = {
@@ -88,8 +98,7 @@ class JobRepository(NumberedRecords[JobRecord]):
             .join(jobs, jobs.c.id == job_states.c.job_id)
             .where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id.in_(list(session_ids)))
         )
-        rows = await self._database.read(lambda c: c.execute(query).all())
-        return {row.result_id: row.request for row in rows}
+        return {row.result_id: row.request for row in await self._rows(query)}
 
     async def taken(self, kind: JobKind, count: int) -> list[JobTaken]:
         """Return how long the latest jobs of a kind took that succeeded and say how much they did."""
@@ -103,7 +112,7 @@ class JobRepository(NumberedRecords[JobRecord]):
             .order_by(jobs.c.id.desc())
             .limit(count)
         )
-        rows = await self._database.read(lambda c: c.execute(query).all())
+        rows = await self._rows(query)
         return [JobTaken(row.work_count, _between_s(row.since, row.recorded_at)) for row in rows]
 
     async def change_state(
@@ -163,15 +172,10 @@ def _record(row: Row[Any]) -> JobRecord:
     state = JobState(row.state)
     told = row.told or {"fraction": 0.0, "doing": None}
     doing = row.message if told["doing"] is None else text_from(told["doing"])
-    return JobRecord(
-        id=row.id,
-        recorded_at=row.recorded_at,
-        kind=JobKind(row.kind),
-        request=row.request,
-        state=state,
+    return from_row(
+        JobRecord,
+        row,
         message=doing if state is JobState.RUNNING else row.message,
-        state_since=row.state_since,
         fraction=1.0 if state is JobState.SUCCEEDED else told["fraction"],
-        result_id=row.result_id,
         code=row.entered.get("code"),
     )

@@ -1,16 +1,18 @@
 """Lists over all kinds of records, and how one came of others: session, campaign, result, model, proof."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
-from sqlalchemy import Connection, Select, case, cast, func, select, true, union_all
+from sqlalchemy import Column, Connection, Select, case, cast, func, select, true, union_all
 
-from truepose.storage.database import Database
 from truepose.storage.engine.dialects import WHOLE, entries_at, number_at
+from truepose.storage.queries import Repository
 from truepose.storage.records import JobKind
 from truepose.storage.results.items import SOURCES, WorkItem, WorkKind, item_of
+from truepose.storage.rows import from_row
 from truepose.storage.tables import (
     campaigns,
     corrections,
@@ -44,11 +46,8 @@ class KnownRobot:
     diagnoses: int
 
 
-class WorkList:
+class WorkList(Repository):
     """Queries over all kinds of records at once."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def page(
         self, kinds: Collection[WorkKind], texts: Sequence[str] = (), *, skip: int = 0, limit: int = 50
@@ -58,8 +57,7 @@ class WorkList:
 
     async def robots(self) -> list[KnownRobot]:
         """Return the robots of which there are campaigns, the busiest first."""
-        rows = await self._database.read(lambda c: c.execute(_robots()).all())
-        return [KnownRobot(row.robot, row.serial_number, row.campaigns, row.diagnoses) for row in rows]
+        return await self._each(_robots(), partial(from_row, KnownRobot))
 
 
 def _page(
@@ -94,7 +92,7 @@ def _robots() -> Select[Any]:
     serial = func.coalesce(diagnoses.c.robot_serial_number, "")
     return (
         select(
-            campaigns.c.robot,
+            campaigns.c.robot.label("name"),
             serial.label("serial_number"),
             func.count(campaigns.c.id.distinct()).label("campaigns"),
             func.count(diagnoses.c.id).label("diagnoses"),
@@ -123,11 +121,8 @@ class Lineage:
         return next(fitting, None)
 
 
-class Lineages:
+class Lineages(Repository):
     """Queries along what came of what."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def of(self, kind: WorkKind, number: int) -> Lineage:
         """Return a record with its forebears and its descendants; the record itself must exist."""
@@ -173,18 +168,30 @@ class _Family:
             yield from ((WorkKind(kind), number) for kind, number in row.items() if number is not None)
 
 
+_LISTED = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
+_session: Final = cast(_LISTED.c.value, WHOLE)  # of a campaign
+_PLANNED: Final = jobs.join(job_states, job_states.c.job_id == jobs.c.id)
+_proved: Final = number_at(jobs.c.request, "$.proves_model_id")  # model that a session was planned to prove
+
+
 def _sessions_of(campaign: int) -> Select[Any]:
-    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
-    inside = campaigns.join(listed, true())
-    return (
-        select(cast(listed.c.value, WHOLE).label("session"))
-        .select_from(inside)
-        .where(campaigns.c.id == campaign)
-    )
+    found = select(_session.label("session")).select_from(campaigns.join(_LISTED, true()))
+    return found.where(campaigns.c.id == campaign)
 
 
-def _origin_of(table: Any) -> Any:
-    return lambda number: select(table.c.campaign_id.label("campaign")).where(table.c.id == number)
+def _campaigns_of(session: int) -> Select[Any]:
+    found = select(campaigns.c.id.label("campaign")).select_from(campaigns.join(_LISTED, true()))
+    return found.where(_session == session)
+
+
+def _proved_by(session: int) -> Select[Any]:
+    found = select(_proved.label("model")).select_from(_PLANNED)
+    return found.where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id == session)
+
+
+def _proofs_of(model: int) -> Select[Any]:
+    found = select(job_states.c.result_id.label("session")).select_from(_PLANNED)
+    return found.where(jobs.c.kind == JobKind.PLAN.value, _proved == model)
 
 
 def _origin_of_diagnosis(number: int) -> Select[Any]:
@@ -206,72 +213,31 @@ def _origin_of_model(number: int) -> Select[Any]:
     return select(*made_by).where(models.c.id == number)
 
 
-def _model_of(table: Any) -> Any:
-    return lambda number: select(table.c.model_id.label("model")).where(table.c.id == number)
-
-
-def _proved_by(session: int) -> Select[Any]:
-    """Return the query of the model that a session was planned to prove."""
-    return (
-        select(number_at(jobs.c.request, "$.proves_model_id").label("model"))
-        .join(job_states, job_states.c.job_id == jobs.c.id)
-        .where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id == session)
-    )
-
-
-def _campaigns_of(session: int) -> Select[Any]:
-    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
-    inside = campaigns.join(listed, true())
-    return (
-        select(campaigns.c.id.label("campaign"))
-        .select_from(inside)
-        .where(cast(listed.c.value, WHOLE) == session)
-    )
-
-
-def _made_of_campaign(table: Any, kind: WorkKind) -> Any:
-    return lambda number: select(table.c.id.label(kind.value)).where(table.c.campaign_id == number)
-
-
-def _model_made_by(column: Any) -> Any:
-    return lambda number: select(models.c.id.label("model")).where(column == number)
-
-
-def _made_with_model(table: Any, kind: WorkKind) -> Any:
-    return lambda number: select(table.c.id.label(kind.value)).where(table.c.model_id == number)
-
-
-def _proofs_of(model: int) -> Select[Any]:
-    return (
-        select(job_states.c.result_id.label("session"))
-        .join(jobs, jobs.c.id == job_states.c.job_id)
-        .where(
-            jobs.c.kind == JobKind.PLAN.value,
-            number_at(jobs.c.request, "$.proves_model_id") == model,
-        )
-    )
+def _related(kind: WorkKind, column: Column[int], own: Column[int]) -> Callable[[int], Select[Any]]:
+    """Return what makes the query of records of a kind, which `column` has where `own` is a number."""
+    return lambda number: select(column.label(kind.value)).where(own == number)
 
 
 _PARENTS = {
     WorkKind.SESSION: _proved_by,
     WorkKind.CAMPAIGN: _sessions_of,
-    WorkKind.IDENTIFICATION: _origin_of(identifications),
+    WorkKind.IDENTIFICATION: _related(WorkKind.CAMPAIGN, identifications.c.campaign_id, identifications.c.id),
     WorkKind.DIAGNOSIS: _origin_of_diagnosis,
     WorkKind.MODEL: _origin_of_model,
-    WorkKind.VALIDATION: _model_of(validations),
-    WorkKind.CORRECTION: _model_of(corrections),
+    WorkKind.VALIDATION: _related(WorkKind.MODEL, validations.c.model_id, validations.c.id),
+    WorkKind.CORRECTION: _related(WorkKind.MODEL, corrections.c.model_id, corrections.c.id),
 }
 _CHILDREN = {
     WorkKind.SESSION: (_campaigns_of,),
     WorkKind.CAMPAIGN: (
-        _made_of_campaign(identifications, WorkKind.IDENTIFICATION),
-        _made_of_campaign(diagnoses, WorkKind.DIAGNOSIS),
+        _related(WorkKind.IDENTIFICATION, identifications.c.id, identifications.c.campaign_id),
+        _related(WorkKind.DIAGNOSIS, diagnoses.c.id, diagnoses.c.campaign_id),
     ),
-    WorkKind.IDENTIFICATION: (_model_made_by(models.c.identification_id),),
-    WorkKind.DIAGNOSIS: (_model_made_by(models.c.diagnosis_id),),
+    WorkKind.IDENTIFICATION: (_related(WorkKind.MODEL, models.c.id, models.c.identification_id),),
+    WorkKind.DIAGNOSIS: (_related(WorkKind.MODEL, models.c.id, models.c.diagnosis_id),),
     WorkKind.MODEL: (
-        _made_with_model(validations, WorkKind.VALIDATION),
-        _made_with_model(corrections, WorkKind.CORRECTION),
+        _related(WorkKind.VALIDATION, validations.c.id, validations.c.model_id),
+        _related(WorkKind.CORRECTION, corrections.c.id, corrections.c.model_id),
         _proofs_of,
     ),
 }

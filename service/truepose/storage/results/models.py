@@ -15,7 +15,7 @@ from truepose.messages.message import message as said
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.ledger.sessions import add_note, add_session
-from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.queries import NumberedRecords, Part, Repository
 from truepose.storage.record_insertion import add_row
 from truepose.storage.records import (
     IdentificationRecord,
@@ -26,15 +26,16 @@ from truepose.storage.records import (
     ValidationRecord,
 )
 from truepose.storage.results.campaigns import simulated_campaign
-from truepose.storage.results.jobs import add_job_state
+from truepose.storage.results.jobs import add_job_state, add_result
+from truepose.storage.rows import from_row
 from truepose.storage.tables import campaigns, diagnoses, identifications, models, validations
 
 
-class ResultRepository:
+class ResultRepository(Repository):
     """All queries about results; a result and the end of its job are one transaction."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database)
         self._identifications = NumberedRecords(
             database, "identification", identifications, _identifications, _identification
         )
@@ -60,22 +61,9 @@ class ResultRepository:
 
     async def keep_validation(self, job_id: int, model_id: int, campaign_id: int, found: Validation) -> int:
         """Store a validation and end the job."""
-        document = to_document(found)
         message = said("job.passed" if found.passed else "job.not_passed")
-
-        def work(connection: Connection) -> int:
-            number = add_row(
-                connection,
-                validations,
-                job_id=job_id,
-                model_id=model_id,
-                campaign_id=campaign_id,
-                document=document,
-            )
-            add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
-            return number
-
-        return await self._database.write(work)
+        values = {"model_id": model_id, "campaign_id": campaign_id, "document": to_document(found)}
+        return await self._database.write(lambda c: add_result(c, validations, job_id, message, **values))
 
     async def keep_plan(
         self,
@@ -108,7 +96,7 @@ class ResultRepository:
 
     async def newest_identifications(self, count: int, month: str = "") -> list[IdentificationRecord]:
         """Return the latest identifications of a month (`2026-11`), or of all, newest first."""
-        return await self._identifications.newest(count, identifications.c.recorded_at.startswith(month))
+        return await self._identifications.newest_of(count, month)
 
     async def newest_identification_of(self, campaign_id: int) -> IdentificationRecord | None:
         """Return the latest identification of a campaign; None where it has none."""
@@ -117,7 +105,7 @@ class ResultRepository:
 
     async def newest_validations(self, count: int, month: str = "") -> list[ValidationRecord]:
         """Return the latest validations of a month, or of all, newest first."""
-        return await self._validations.newest(count, validations.c.recorded_at.startswith(month))
+        return await self._validations.newest_of(count, month)
 
     async def model(self, model_id: int) -> ModelRecord:
         """Return a model; raises NotFoundError."""
@@ -155,17 +143,7 @@ def _identifications() -> Select[Any]:
 
 
 def _identification(row: Row[Any]) -> IdentificationRecord:
-    found = from_document(Identification, row.document)
-    return IdentificationRecord(
-        row.id,
-        row.recorded_at,
-        row.job_id,
-        row.campaign_id,
-        row.model_id,
-        row.robot,
-        bool(row.simulated),
-        found,
-    )
+    return from_row(IdentificationRecord, row, identification=from_document(Identification, row.document))
 
 
 def _models() -> Select[Any]:
@@ -179,10 +157,7 @@ def _models() -> Select[Any]:
 
 
 def _model(row: Row[Any]) -> ModelRecord:
-    model = from_document(Model, row.document)
-    origin = row.identification_id, row.diagnosis_id
-    accepted = row.handed_down_id, row.accepted_by
-    return ModelRecord(row.id, row.recorded_at, *origin, row.robot, bool(row.simulated), model, *accepted)
+    return from_row(ModelRecord, row, model=from_document(Model, row.document))
 
 
 def _validations() -> Select[Any]:
@@ -191,8 +166,4 @@ def _validations() -> Select[Any]:
 
 
 def _validation(row: Row[Any]) -> ValidationRecord:
-    found = from_document(Validation, row.document)
-    simulated = bool(row.simulated)
-    return ValidationRecord(
-        row.id, row.recorded_at, row.job_id, row.model_id, row.campaign_id, simulated, found
-    )
+    return from_row(ValidationRecord, row, validation=from_document(Validation, row.document))

@@ -6,9 +6,10 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, desc, func, select
 
-from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError
+from truepose.storage.queries import Repository
 from truepose.storage.record_insertion import add_row
+from truepose.storage.rows import from_row
 from truepose.storage.tables import reports
 
 
@@ -32,11 +33,8 @@ class ReportRecord:
     page: str  # its content, without a frame
 
 
-class ReportRepository:
+class ReportRepository(Repository):
     """All queries about reports."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
 
     async def revision_for(self, subject: ReportSubject, stated_sha256: str) -> int:
         """Return the revision that states this: the newest where it does, else the one to follow."""
@@ -54,7 +52,7 @@ class ReportRepository:
         # first.
         wanted = (desc(reports.c.language == one) for one in (language, language.partition("-")[0]))
         preferred = query.order_by(*wanted, reports.c.id).limit(1)
-        row = await self._database.read(lambda connection: connection.execute(preferred).one_or_none())
+        row = await self._row(preferred)
         if row is None:
             raise NotFoundError("revision", revision)
         return _record(row)
@@ -71,7 +69,7 @@ class ReportRepository:
         """Return each revision with when it was first made, oldest first."""
         first = func.min(reports.c.recorded_at)
         query = select(reports.c.revision, first).where(*_is(subject)).group_by(reports.c.revision)
-        rows = await self._database.read(lambda c: c.execute(query.order_by(reports.c.revision)).all())
+        rows = await self._rows(query.order_by(reports.c.revision))
         return [(revision, recorded_at) for revision, recorded_at in rows]
 
 
@@ -120,11 +118,5 @@ def _of(subject: ReportSubject) -> Any:
 
 
 def _record(row: Row[Any]) -> ReportRecord:
-    return ReportRecord(
-        recorded_at=row.recorded_at,
-        subject=ReportSubject(row.kind, row.subject_id),
-        revision=row.revision,
-        language=row.language,
-        stated_sha256=row.stated_sha256,
-        page=zlib.decompress(row.page).decode(),
-    )
+    subject, page = ReportSubject(row.kind, row.subject_id), zlib.decompress(row.page).decode()
+    return from_row(ReportRecord, row, subject=subject, page=page)
