@@ -16,9 +16,12 @@ import os
 import shutil
 import threading
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
+
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import DamagedDatabaseError
 
 MOST_BYTES: Final = 64 * 2**20  # some five hundred pages and reports
 _ROOM_BYTES: Final = 512 * 2**20  # that the disk has left for records whatever is kept here
@@ -165,19 +168,15 @@ class Comparisons:
 
 def to_bytes(compared: FleetComparison) -> bytes:
     """Return a comparison as it travels and is kept: one line."""
-    return json.dumps(asdict(compared)).encode()
+    return json.dumps(to_document(compared)).encode()
 
 
 def from_bytes(data: bytes) -> FleetComparison | None:
     """Return a comparison; None: another version kept it in another form."""
     try:
-        found = json.loads(data)
-        return FleetComparison(**{
-            **found,
-            "foreseen": tuple(LimitForecast(**one) for one in found["foreseen"]),
-        })
+        return from_document(FleetComparison, json.loads(data))
     # A file of another version is no comparison: the next one that somebody opens makes it anew.
-    except (KeyError, TypeError, ValueError):
+    except (DamagedDatabaseError, ValueError):
         return None
 
 

@@ -13,7 +13,6 @@ where there is no draft.
 import contextlib
 import json
 import logging
-import os
 import re
 import zipfile
 from collections.abc import Callable, Iterator
@@ -24,7 +23,7 @@ from typing import Any, Final
 from truepose.messages.message import Text
 from truepose.storage.documents import to_document
 from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
-from truepose.storage.engine.files import make_alone, sync_folder
+from truepose.storage.engine.files import make_alone, sync_file, sync_folder
 from truepose.storage.engine.raw_connection import missing_protection
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.errors import (
@@ -85,8 +84,7 @@ def _packed(drafts: DraftFolder, archive: Path) -> int:
             for name, data in held:
                 written.writestr(f"{number}/{name}", data)
             count += bool(held)
-    with archive.open("rb+") as whole:
-        os.fsync(whole.fileno())
+    sync_file(archive)
     return count
 
 
@@ -230,8 +228,7 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
             take_out_pins(copy, revoked_only=False)
     # The library syncs what it commits; the pages that `backup` wrote are ours to sync before the file gets
     # its name.
-    with target.open("rb+") as written:
-        os.fsync(written.fileno())
+    sync_file(target)
     return head
 
 

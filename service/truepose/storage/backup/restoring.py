@@ -15,7 +15,7 @@ from truepose.storage.engine.files import sync_folder
 from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.engine.sqlite_file import ServiceLock
 from truepose.storage.errors import BackupError, DatabaseUsedError
-from truepose.storage.integrity.database_identity import IdentityFile, digest
+from truepose.storage.integrity.database_identity import IdentityFile, digest_of
 from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.integrity.verification import Verdict, verify_left
 
@@ -121,8 +121,7 @@ def _seal(ready: Path) -> None:
     seal = IdentityFile(ready)
     with contextlib.closing(opened_file(ready)) as laid:
         seal.break_open(laid)
-    with ready.open("rb") as opened:
-        seal.close(digest(opened))
+    seal.close(digest_of(ready))
 
 
 def _require_as_sealed(ready: Path) -> None:
@@ -131,9 +130,7 @@ def _require_as_sealed(ready: Path) -> None:
     # Nobody has sealed it: somebody was cut short after laying it ready, or an earlier version has.
     if sealed is None or sealed.sha256 is None:
         return
-    with ready.open("rb") as opened:
-        found = digest(opened)
-    if found != sealed.sha256:
+    if digest_of(ready) != sealed.sha256:
         raise BackupError(
             f"{ready} was changed since it was laid ready; delete it to go on with what there is, or lay it "
             "ready once more."

@@ -9,7 +9,6 @@ import asyncio
 import contextlib
 import logging
 import math
-import os
 import re
 import time
 from collections.abc import Callable, Iterator
@@ -24,7 +23,7 @@ from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.restoring import restore, whole_copy
 from truepose.storage.backup.transfer import fill, transfer
 from truepose.storage.engine.address import database_file, is_server, parsed_url
-from truepose.storage.engine.files import tighten
+from truepose.storage.engine.files import sync_file, tighten
 from truepose.storage.engine.reading import lies_beside
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import BackupError, StorageError
@@ -67,8 +66,7 @@ def _make_one_file(part: Path) -> None:
     """Leave a database that was just written as one file, which is on the disk."""
     with contextlib.closing(LIBRARY.connect(part)) as copy:
         copy.execute("PRAGMA journal_mode=DELETE")
-    with part.open("rb+") as written:
-        os.fsync(written.fileno())
+    sync_file(part)
 
 
 _LOG: Final = logging.getLogger(__name__)

@@ -15,7 +15,7 @@ from sqlalchemy import Connection, Engine
 from sqlalchemy.engine import Transaction
 
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import ClosingState
+from truepose.storage.integrity.database_identity import ClosingState, has_link
 
 Integrity: TypeAlias = Literal["not_checked", "checking", "whole", "damaged"]
 RESERVE_IN_USE: Final = (
@@ -148,9 +148,9 @@ class DatabaseBackend(ABC):
     def commit(self, transaction: Transaction, newest: ClosingState) -> None:
         """Commit and note the newest link; raises InDoubtError and what the library raises."""
 
-    @abstractmethod
     def has(self, newest: ClosingState) -> bool:
         """Whether the database has a link."""
+        return has_link(self.plain, newest)
 
     @property
     @abstractmethod
@@ -161,22 +161,24 @@ class DatabaseBackend(ABC):
     def translated(self, error: Exception) -> StorageError:
         """Return what the library raised as an error of the storage; on any thread."""
 
-    @abstractmethod
     def ended(self, error: Exception) -> bool:
         """Whether what the library raised says that a connection has ended; on any thread."""
+        # One to a file never does by itself.
+        return False
 
-    @abstractmethod
     def make_room(self, error: Exception) -> bool:
         """Give up the reserve where the library found no room; returns whether there was any."""
+        # The disk of a server is the server's: it has no reserve.
+        return False
 
     @abstractmethod
     def keep_reserve(self) -> None:
         """Take the reserve back once there is room."""
 
     @property
-    @abstractmethod
     def reserve_used(self) -> bool:
         """Whether the reserve is given up; on any thread."""
+        return False
 
     @abstractmethod
     def write_a_little(self, connection: Connection) -> None:
@@ -186,9 +188,10 @@ class DatabaseBackend(ABC):
     def look(self) -> DatabaseObservation:
         """Return who else has written, and what is missing."""
 
-    @abstractmethod
     def changed_since_left(self) -> str | None:
         """Return what is said where the database is not as it was left; takes its time, on any thread."""
+        # What a server's files hold only the server knows.
+        return None
 
     @abstractmethod
     def resume(self) -> None:

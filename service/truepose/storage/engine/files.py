@@ -90,6 +90,12 @@ def _part_of(file: Path, data: bytes) -> Path:
     return part
 
 
+def sync_file(file: Path) -> None:
+    """Bring a file to the disk that something else has written."""
+    with file.open("rb+") as written:
+        os.fsync(written.fileno())
+
+
 def sync_folder(folder: Path) -> None:
     """See that a name that was just given or taken in a folder is on the disk."""
     # Windows does not open folders as files.

@@ -181,10 +181,6 @@ class ServerDatabase(DatabaseBackend):
             raise InDoubtError(newest) from error
         self._seal.note(newest)
 
-    def has(self, newest: ClosingState) -> bool:
-        """Whether the database has a link."""
-        return has_link(self.plain, newest)
-
     @property
     def plain(self) -> Any:
         """The library's own connection, for what is done outside transactions."""
@@ -198,17 +194,8 @@ class ServerDatabase(DatabaseBackend):
         """Whether what the library raised says that a connection has ended."""
         return has_ended(error)
 
-    def make_room(self, error: Exception) -> bool:
-        """Return that there is no reserve: the disk is the server's."""
-        return False
-
     def keep_reserve(self) -> None:
         """Do nothing: the disk is the server's."""
-
-    @property
-    def reserve_used(self) -> bool:
-        """Whether a reserve is given up, of which there is none."""
-        return False
 
     def write_a_little(self, connection: Connection) -> None:
         """Write to the server's log, for which a commit waits; raises ServerRefusedError."""
@@ -223,10 +210,6 @@ class ServerDatabase(DatabaseBackend):
         self._seal.note(newest)
         self._size_bytes = int(self.plain.execute(_SIZE).fetchone()[0])
         return DatabaseObservation(newest != before, tuple(missing_protection(self.plain)))
-
-    def changed_since_left(self) -> str | None:
-        """Return nothing: what a server's files hold only the server knows."""
-        return None
 
     def resume(self) -> None:
         """Do nothing: nothing has waited."""

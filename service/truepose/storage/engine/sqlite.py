@@ -36,7 +36,7 @@ from truepose.storage.engine.sqlite_connections import (
 )
 from truepose.storage.engine.sqlite_file import DatabaseFile, ServiceLock
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, has_link, newest_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, newest_link
 from truepose.storage.integrity.verification import note_how_it_was_left
 
 _BYTES: Final = 16 * 2**20
@@ -193,10 +193,6 @@ class SQLiteFile(DatabaseBackend):
         transaction.commit()
         self._seal.note(newest)
 
-    def has(self, newest: ClosingState) -> bool:
-        """Whether the database has a link."""
-        return has_link(self.plain, newest)
-
     @property
     def plain(self) -> Any:
         """The library's own connection, for what is done outside transactions."""
@@ -205,10 +201,6 @@ class SQLiteFile(DatabaseBackend):
     def translated(self, error: Exception) -> StorageError:
         """Return what the library raised as an error of the storage."""
         return translate_error(self.file, error)
-
-    def ended(self, error: Exception) -> bool:
-        """Whether a connection has ended: one to a file never does by itself."""
-        return False
 
     def make_room(self, error: Exception) -> bool:
         """Give up the reserve where the disk is full; returns whether there was any."""

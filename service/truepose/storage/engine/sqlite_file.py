@@ -29,7 +29,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.engine.files import make_alone, opened_alone, put_new, tighten
+from truepose.storage.engine.files import make_alone, opened_alone, put_new, sync_file, tighten
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
 from truepose.storage.integrity.database_identity import digest
@@ -246,5 +246,4 @@ def _copy(connection: Any, target: Path) -> None:
         connection.backup(copy)
     finally:
         copy.close()
-    with target.open("rb+") as written:
-        os.fsync(written.fileno())
+    sync_file(target)

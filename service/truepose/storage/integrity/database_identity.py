@@ -95,6 +95,12 @@ def digest(opened: BufferedReader) -> str:
     return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
+def digest_of(file: Path) -> str:
+    """Return the SHA-256 of a file; raises OSError."""
+    with file.open("rb") as opened:
+        return digest(opened)
+
+
 def has_link(connection: Any, left: ClosingState) -> bool:
     """Whether a database holds the newest link that it was left with."""
     row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()

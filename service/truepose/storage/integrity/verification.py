@@ -23,7 +23,7 @@ from truepose.storage.engine.backend import Condition
 from truepose.storage.engine.raw_connection import damaged_pages, missing_protection, numbers_given
 from truepose.storage.engine.reading import library_errors, lies_beside, open_reader, require_answering
 from truepose.storage.errors import DatabaseAddressError
-from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, digest, has_link
+from truepose.storage.integrity.database_identity import ClosingState, IdentityFile, digest_of, has_link
 from truepose.storage.integrity.hash_chain import (
     GENESIS,
     OF_NO_SESSION,
@@ -300,9 +300,7 @@ def newest_missing(where: str, seal: Path) -> str:
 def _against(url: str, left: ClosingState, seal: Path) -> Iterator[str]:
     if left.sha256 is not None:
         file = database_file(url)
-        with file.open("rb") as opened:
-            found = digest(opened)
-        if found != left.sha256:
+        if digest_of(file) != left.sha256:
             yield f"The file {file} was changed while no service had it open."
     with contextlib.suppress(*library_errors(url)), contextlib.closing(open_reader(url)) as connection:
         if not has_link(connection, left):
