@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Final, Generic, TypeVar
 
 import uvicorn
 
@@ -22,15 +22,13 @@ from truepose.app.connections import Census, Limits, close_slow_connections, con
 from truepose.app.errors import PortInUseError, ScenarioRefusedError, UnsafeStartError
 from truepose.app.http_protocol import WatchedProtocol
 from truepose.app.logs import logged
-from truepose.app.startup import allowed_hosts, program_version, stop_streams
+from truepose.app.startup import ServiceContext, allowed_hosts, program_version, stop_streams
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
 from truepose.messages.error_codes import code_of
-from truepose.people.accounts import PeopleService
 from truepose.processes import asked_to_end
 from truepose.settings import Settings
-from truepose.storage.database import Database
 from truepose.storage.engine.address import database_file
 from truepose.storage.secret_files import ReachedService, publish_endpoint
 from truepose.web.asgi import Application
@@ -103,22 +101,6 @@ _KEPT_S: Final = 75
 _AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
 _UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side acknowledges nothing
 _QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
-
-
-class ServiceContext(Protocol):
-    """What is behind the routes of any service."""
-
-    @property
-    def database(self) -> Database:
-        """Where records are kept."""
-
-    @property
-    def people(self) -> PeopleService:
-        """Who asks."""
-
-    @property
-    def stopping(self) -> asyncio.Event:
-        """Set when the service ends."""
 
 
 C = TypeVar("C", bound=ServiceContext)

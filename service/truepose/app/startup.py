@@ -90,16 +90,23 @@ async def _end(task: asyncio.Task[None]) -> None:
         await task
 
 
-class _Streams(Protocol):
-    """What sends streams that end with the service."""
+class ServiceContext(Protocol):
+    """What is behind the routes of any service."""
 
     @property
-    def database(self) -> Database: ...
+    def database(self) -> Database:
+        """Where records are kept."""
+
     @property
-    def stopping(self) -> asyncio.Event: ...
+    def people(self) -> PeopleService:
+        """Who asks."""
+
+    @property
+    def stopping(self) -> asyncio.Event:
+        """Set when the service ends."""
 
 
-def stop_streams(context: _Streams) -> None:
+def stop_streams(context: ServiceContext) -> None:
     """End every event stream, so that their connections can close."""
     context.stopping.set()
     context.database.wake()
