@@ -35,7 +35,7 @@ from truepose.storage.backup.transfer import snapshot
 from truepose.storage.database import Database
 from truepose.storage.engine.address import display_address
 from truepose.storage.plant.overview import CollectedCampaigns
-from truepose.storage.records import CampaignRecord, DiagnosisRecord, IdentificationRecord, Page
+from truepose.storage.records import CampaignRecord, Page
 from truepose.storage.results.campaigns import CampaignRepository
 from truepose.storage.results.diagnoses import DiagnosisRepository
 from truepose.storage.results.models import ResultRepository
@@ -126,13 +126,13 @@ def in_database(url: str) -> Iterator[list[ArchivedCampaign]]:
 
 def _own(database: Database, runner: asyncio.Runner) -> Iterator[ArchivedCampaign]:
     """Yield what was measured or uploaded here."""
-    campaigns, stored = CampaignRepository(database), _DatabaseOutcomes(database, runner)
+    campaigns = CampaignRepository(database)
     for record in _all(runner, campaigns):
         serial, day = runner.run(campaigns.measured(record.id))
         yield ArchivedCampaign(
             f"{record.id} {record.name}",
             functools.partial(_run, runner, campaigns.content, record.id),
-            functools.partial(stored.newest, record),
+            functools.partial(_stored_outcome, database, runner, record),
             _stated(serial, record.summary.instrument_serial_number or "", day),
         )
 
@@ -166,30 +166,19 @@ def _all(runner: asyncio.Runner, campaigns: CampaignRepository) -> Iterator[Camp
         after = part.next_after
 
 
-class _DatabaseOutcomes:
-    """What a database says of its campaigns."""
-
-    def __init__(self, database: Database, runner: asyncio.Runner) -> None:
-        self._results, self._diagnoses = ResultRepository(database), DiagnosisRepository(database)
-        self._runner = runner
-
-    def newest(self, campaign: CampaignRecord) -> ArchiveOutcome | None:
-        """Return the latest identification of a campaign with its latest diagnosis; None without either."""
-        identified = self._runner.run(self._results.newest_identification_of(campaign.id))
-        diagnosed = self._runner.run(self._diagnoses.newest_of_campaign(campaign.id))
-        if identified is None and diagnosed is None:
-            return None
-        return _found(campaign.robot, identified, diagnosed)
-
-
-def _found(
-    robot: str, identified: IdentificationRecord | None, diagnosed: DiagnosisRecord | None
-) -> ArchiveOutcome:
+def _stored_outcome(
+    database: Database, runner: asyncio.Runner, campaign: CampaignRecord
+) -> ArchiveOutcome | None:
+    """Return the latest identification of a campaign with its latest diagnosis; None without either."""
     from truepose.exchange.results.diagnosis import diagnosis_document
     from truepose.exchange.results.identification import identification_document
 
+    identified = runner.run(ResultRepository(database).newest_identification_of(campaign.id))
+    diagnosed = runner.run(DiagnosisRepository(database).newest_of_campaign(campaign.id))
+    if identified is None and diagnosed is None:
+        return None
     return ArchiveOutcome(
-        None if identified is None else identification_document(identified.identification, robot),
+        None if identified is None else identification_document(identified.identification, campaign.robot),
         None if diagnosed is None else diagnosis_document(diagnosed.diagnosis),
     )
 

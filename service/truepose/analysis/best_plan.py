@@ -1,7 +1,7 @@
 """The best of several plans, each chosen from candidates of its own."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -22,18 +22,9 @@ class MakePlan(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Try:
-    """A plan to make, as it travels to a worker."""
-
-    planned: MakePlan
-    n: int | None
-    seed: int
-
-
-def plan_of(one: Try, _seed: np.random.SeedSequence) -> PromisedPlan:
+def plan_of(make: Callable[[], PromisedPlan], _seed: np.random.SeedSequence) -> PromisedPlan:
     """Return the plan; its seed is the one that it would be given alone."""
-    return one.planned(n=one.n, seed=one.seed)
+    return make()
 
 
 def best_plan(
@@ -62,5 +53,5 @@ def best_plan(
     return plans[best], seed + best
 
 
-def _part(planned: MakePlan, n: int | None, seed: int) -> Part[Try]:
-    return Part(f"seed {seed}", Try(planned, n, seed))
+def _part(planned: MakePlan, n: int | None, seed: int) -> Part[Callable[[], PromisedPlan]]:
+    return Part(f"seed {seed}", partial(planned, n=n, seed=seed))

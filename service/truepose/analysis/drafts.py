@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, Final, ParamSpec, TypeVar
 
 from truepose.analysis.errors import NotReadyError
-from truepose.analysis.job_queue.file_tasks import BroughtCampaign, BroughtRead, ReadBroughtTask
+from truepose.analysis.job_queue.file_tasks import BroughtRead, CampaignRead, ReadBroughtTask
 from truepose.analysis.job_queue.supervisor import TaskRefusedError, Turns
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.analysis.jobs import JobService
@@ -155,7 +155,7 @@ def _key(draft: Draft, made: str) -> RequestKey:
     return RequestKey(f"{made} of draft {draft.id} of {draft.created_at}, revision {draft.revision}", "")
 
 
-def _stored(made: BroughtCampaign, draft: Draft, name: str | None) -> NewCampaign:
+def _stored(made: CampaignRead, draft: Draft, name: str | None) -> NewCampaign:
     who = {key: draft.choices[key] for key in _WHO if draft.choices.get(key)}
     summary = replace(made.summary, **who)
     return NewCampaign(name or _name_of(draft), made.robot, summary, made.campaign, made.archive)

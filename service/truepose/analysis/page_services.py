@@ -2,11 +2,11 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 
 from truepose.analysis.campaigns.tracker import MeasuredSession
 from truepose.analysis.job_queue.accuracy_tasks import PromiseTask
-from truepose.analysis.job_queue.supervisor import Perform, Turns
+from truepose.analysis.job_queue.supervisor import Perform, Turns, unheard
 from truepose.analysis.job_queue.tasks import DrawTask
 from truepose.domain.cell import Cell
 from truepose.storage.caches import DrawnFolder, RenderedPage, rendered_page
@@ -90,11 +90,7 @@ class Renderer:
     async def draw(self, function: Callable[[T], A], of: T) -> A:
         """Call a function of a module in a worker process; raises BusyError, TaskRefusedError."""
         async with self._turns.taken():
-            return cast(A, await self._perform(DrawTask(function, of), _unheard))
-
-
-async def _unheard(_fraction: float, _doing: Any) -> None:
-    """Nobody watches these being worked out: each takes seconds."""
+            return cast(A, await self._perform(DrawTask(function, of), unheard))
 
 
 class AccuracyService:
@@ -107,4 +103,4 @@ class AccuracyService:
     async def promise(self, of: Cell | MeasuredSession, n: int | None) -> "Promised":
         """Return what n configurations promise; raises BusyError, TaskRefusedError."""
         async with self._turns.taken():
-            return cast("Promised", await self._perform(PromiseTask(of, n), _unheard))
+            return cast("Promised", await self._perform(PromiseTask(of, n), unheard))

@@ -5,7 +5,7 @@ watches the first cycle.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Final
 
@@ -46,43 +46,39 @@ _ASIDE: Final = (0.0, -0.15, 0.15)
 _UP: Final = (0.35, 0.5, 0.2)
 
 
-@dataclass(frozen=True, slots=True)
-class PosePlanRequest:
-    """What was asked for; what is left out is chosen."""
-
-    plane: Plane
-    rotation: FloatArray | None = None  # (3, 3) of the last frame in the base
-    nest: int | None = None
-
-
-def usual_poses(space: WorkSpace, wish: PosePlanRequest) -> tuple[PosePlan, int]:
+def usual_poses(
+    space: WorkSpace, plane: Plane, rotation: FloatArray | None, nest: int | None
+) -> tuple[PosePlan, int]:
     """Return the poses in the largest cube, the tool tilted as little as may be, and the nest that is seen.
 
-    Raises ConfigurationError where no such cube was found.
+    Rotation of the last frame in the base, (3, 3), and nest are chosen where they are not given. Raises
+    ConfigurationError where no such cube was found.
     """
-    for cubes, rotation, nest in _candidates(space, wish):
-        nest_mm = space.nests[nest - 1].centre_mm
+    rotations = _rotations() if rotation is None else [rotation]
+    nests = range(1, len(space.nests) + 1) if nest is None else [nest]
+    for turned, seen, cubes in _candidates(space, plane, rotations, nests):
+        nest_mm = space.nests[seen - 1].centre_mm
         if nest_mm is None:
             continue
-        for plan in possible_plans(space.robot, cubes, rotation, nest_mm):
-            if _is_measurable(space, plan, nest):
-                return plan, nest
+        for plan in possible_plans(space.robot, cubes, turned, nest_mm):
+            if _is_measurable(space, plan, seen):
+                return plan, seen
     raise ConfigurationError(message("refused.no_cube"))
 
 
-def _candidates(space: WorkSpace, wish: PosePlanRequest) -> Iterator[tuple[Sequence[Cube], FloatArray, int]]:
-    """Yield cubes of one edge, orientation and nest, the most wanted first."""
+def _candidates(
+    space: WorkSpace, plane: Plane, rotations: Sequence[FloatArray], nests: Sequence[int]
+) -> Iterator[tuple[FloatArray, int, Sequence[Cube]]]:
+    """Yield orientation, nest and cubes of one edge, the most wanted first."""
     arm = sum(abs(row.a_mm) + abs(row.d_mm) for row in space.robot.joints)
     edges = [edge for edge in _EDGES_MM if edge <= _LARGEST * arm]
-    rotations = _rotations() if wish.rotation is None else [wish.rotation]
-    nests = range(1, len(space.nests) + 1) if wish.nest is None else [wish.nest]
     centres = [(arm * out, arm * aside, arm * up) for aside, up, out in product(_ASIDE, _UP, _OUT)]
     for edge in edges:
-        cubes = [Cube(centre, edge, wish.plane) for centre in centres]
+        cubes = [Cube(centre, edge, plane) for centre in centres]
         # A closed form answers all centres in one call. Where joints are searched each cube costs time, and
         # the first that can be measured ends it.
         together = [cubes] if has_closed_form(space.robot) else [[cube] for cube in cubes]  # each is searched
-        yield from ((some, rotation, nest) for rotation, nest, some in product(rotations, nests, together))
+        yield from product(rotations, nests, together)
 
 
 def _rotations() -> Sequence[FloatArray]:
@@ -142,7 +138,7 @@ def _usual(wanted: PoseRequest) -> tuple[PosePlan, int]:
         _centre_mm(cell, wanted.nest)
     space = replace(space_of_cell(cell, (), None), robot=_within_limits(cell))
     rotation = None if wanted.quaternion is None else _rotation(np.array(wanted.quaternion))
-    return usual_poses(space, PosePlanRequest(wanted.plane, rotation, wanted.nest))
+    return usual_poses(space, wanted.plane, rotation, wanted.nest)
 
 
 def _within_limits(cell: Cell) -> Robot:

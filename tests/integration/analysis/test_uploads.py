@@ -10,8 +10,8 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.machine import HANGS_S
 from truepose.analysis.errors import BusyError
+from truepose.analysis.job_queue.file_tasks import CampaignRead
 from truepose.analysis.job_queue.supervisor import TaskRefusedError, perform_in_worker
-from truepose.analysis.job_queue.tasks import CampaignRead
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 

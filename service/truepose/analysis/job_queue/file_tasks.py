@@ -29,13 +29,13 @@ Report: TypeAlias = Callable[[float, Text], None]
 
 
 @dataclass(frozen=True, slots=True)
-class BroughtCampaign:
-    """A campaign of files that were brought, to be stored."""
+class CampaignRead:
+    """A campaign of files that somebody brought, to be stored."""
 
     robot: str
     summary: CampaignSummary
     campaign: bytes
-    archive: bytes
+    archive: bytes = b""  # made of the files; empty: they came as one
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class BroughtRead:
     """What was understood of them, and the campaign that was asked for, if it can be made."""
 
     understood: "Understood"
-    campaign: BroughtCampaign | None = None
+    campaign: CampaignRead | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class ReadBroughtTask:
         if not self.make or found.campaign is None:
             return BroughtRead(found.understood)
         beside = {f"{_BESIDE}/{_safe(name)}": data for name, data in files.items()}
-        made = BroughtCampaign(
+        made = CampaignRead(
             found.campaign.robot.name,
             summary_of(found.campaign),
             pack(found.campaign),

@@ -66,6 +66,10 @@ _LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
 _LOG_CHARACTERS = 500  # of a line
 
 
+async def unheard(_fraction: float, _doing: Text) -> None:
+    """Let progress be told to nobody."""
+
+
 class Perform(Protocol):
     """Performs a task somewhere else; cancelling it stops the work."""
 

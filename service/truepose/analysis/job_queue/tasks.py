@@ -13,6 +13,7 @@ from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.job_queue.accuracy_tasks import OutlookTask, PromiseTask, SessionForecast
 from truepose.analysis.job_queue.file_tasks import (
     BroughtRead,
+    CampaignRead,
     CheckFileTask,
     CorrectFileTask,
     FileChecked,
@@ -30,7 +31,7 @@ from truepose.domain.session import SessionPlan, Turn
 from truepose.domain.validation import Validation
 from truepose.messages.message import Text, message
 from truepose.storage.documents import is_packed, pack, unpack
-from truepose.storage.records import CampaignSummary, SessionSetup
+from truepose.storage.records import SessionSetup
 
 if TYPE_CHECKING:
     from truepose.planning.contacts.plan_request import ContactPlanRequest
@@ -277,15 +278,6 @@ class PrecalibrateTask:
 
         report(0.0, message("job.doing.legs"))
         return precalibrate(self.setup, self.plan, self.counting)
-
-
-@dataclass(frozen=True, slots=True)
-class CampaignRead:
-    """What an archive holds that can be read."""
-
-    robot: str
-    summary: CampaignSummary
-    campaign: bytes  # to be stored
 
 
 @dataclass(frozen=True, slots=True)

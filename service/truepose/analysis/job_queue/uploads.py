@@ -11,14 +11,21 @@ from typing import Final, cast
 
 from truepose.analysis.job_queue.file_tasks import (
     BroughtRead,
+    CampaignRead,
     CheckFileTask,
     FileChecked,
     ReadBroughtTask,
     TargetsFile,
 )
-from truepose.analysis.job_queue.supervisor import Perform, TaskRefusedError, Turns, perform_in_worker
-from truepose.analysis.job_queue.tasks import Answer, CampaignRead, ReadCampaignTask
-from truepose.messages.message import Text, message
+from truepose.analysis.job_queue.supervisor import (
+    Perform,
+    TaskRefusedError,
+    Turns,
+    perform_in_worker,
+    unheard,
+)
+from truepose.analysis.job_queue.tasks import Answer, ReadCampaignTask
+from truepose.messages.message import message
 
 # Four times what the largest campaign takes that the limits of `exchange` let pass.
 READING_BYTES: Final = 1024 * 2**20
@@ -66,12 +73,8 @@ class Uploads:
         async with self._reading:
             try:
                 async with asyncio.timeout(_READING_S):
-                    return await self._perform(task, _nobody)
+                    return await self._perform(task, unheard)
             except TimeoutError as error:
                 raise TaskRefusedError(
                     message("refused.slow_read", seconds=round(_READING_S), kind=kind)
                 ) from error
-
-
-async def _nobody(fraction: float, doing: Text) -> None:
-    """Take progress that nobody follows."""
