@@ -22,6 +22,12 @@ def beside(tmp_path, monkeypatch):
 
 
 @pytest.fixture
+def name(database_url):
+    """The name of a database on its server."""
+    return database_url.split("/")[3].split("?")[0]
+
+
+@pytest.fixture
 def database_url(engine, request, tmp_path):
     if engine == "sqlite":
         yield f"sqlite:///{tmp_path}/truepose.sqlite3"

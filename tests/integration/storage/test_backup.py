@@ -3,13 +3,13 @@
 import asyncio
 import json
 import os
-import subprocess
-import sys
 import zipfile
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.commands import installed
+from tests.helpers.domain.tracker_sessions import make_point, point_taken
+from tests.helpers.storage.sessions import add
 from tests.helpers.web.clients import served
 from tests.integration.web.bench import CELL, Bench
 from truepose.settings import Settings
@@ -24,13 +24,8 @@ from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseI
 from truepose.storage.integrity.database_identity import IdentityFile
 from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.entries import LedgerRepository
-from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = pytest.mark.engine("sqlite")  # of a server's: server/test_copies.py
-
-
-async def add(database, name):
-    return await SessionRepository(database).add(name, make_setup(), make_plan())
 
 
 def names(file):
@@ -397,22 +392,17 @@ def test_a_copy_that_was_changed_is_not_restored(left, copy, tmp_path):
     assert not (tmp_path / "fresh.sqlite3").exists()
 
 
-def truepose(*arguments):
-    command = [sys.executable, "-m", "truepose", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 async def test_the_commands_copy_restore_and_verify(database, database_url, copy, tmp_path):
     await add(database, "first")
     head = (await database.head()).text
 
-    made = truepose("backup", copy, "--database", database_url, "--json")
-    refused = truepose("restore", copy, "--database", database_url, "--replace")
-    verified = truepose("verify", copy, "--head", head)
+    made = installed("backup", copy, "--database", database_url, "--json")
+    refused = installed("restore", copy, "--database", database_url, "--replace")
+    verified = installed("verify", copy, "--head", head)
 
     assert (made.returncode, json.loads(made.stdout)["head"]) == (0, head), made.stderr
     assert (refused.returncode, refused.stdout) == (3, "")
     assert "in use" in refused.stderr and "--at-next-start" in refused.stderr
-    laid = truepose("restore", copy, "--database", database_url, "--replace", "--at-next-start", "--json")
+    laid = installed("restore", copy, "--database", database_url, "--replace", "--at-next-start", "--json")
     assert json.loads(laid.stdout)["waits"] == f"{database.file}.to-restore", laid.stderr
     assert (verified.returncode, f"Chain head {head}" in verified.stdout) == (0, True), verified.stdout

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.storage.sessions import add
 from truepose.storage.backup import schedule as backup_schedule
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.schedule import BackupSchedule, back_up_at
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.integrity.verification import verify_left
-from truepose.storage.ledger.sessions import SessionRepository
 
 DAY_S = 86400.0
 
@@ -40,7 +39,7 @@ def copies(schedule):
 
 
 async def test_a_copy_is_made_when_it_is_due_and_not_before(database, schedule, day):
-    await SessionRepository(database).add("first", make_setup(), make_plan())
+    await add(database)
     assert schedule.age_s is None
 
     assert await schedule.make_if_due() == DAY_S

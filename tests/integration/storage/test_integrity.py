@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.machine import HANGS_S
+from tests.helpers.storage.sessions import add, fill, guarded, wait_until
 from truepose.storage.database import Database
 from truepose.storage.engine.backend import FOREIGN, Condition
 from truepose.storage.engine.sqlite_connections import LIBRARY
@@ -16,7 +16,6 @@ from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
 from truepose.storage.integrity import monitor
 from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left
-from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.ledger.tracker_readings import ReadingRepository
 
@@ -61,14 +60,6 @@ TAMPERED = {
 }
 
 
-async def fill(database):
-    sessions, ledger = SessionRepository(database), LedgerRepository(database)
-    for name in ("first", "second"):
-        await sessions.add(name, make_setup(), make_plan())
-    for config in range(1, 6):
-        await ledger.append(1, point_taken(make_point(config)))
-
-
 @pytest.fixture
 async def left(database_url):
     """A database that a service closed in order."""
@@ -110,18 +101,11 @@ async def test_what_was_changed_is_found_also_without_the_seal(left, script):
 @pytest.mark.parametrize("what", ["a reading that is 1 mm longer", "a trigger dropped", "a link taken out"])
 async def test_what_is_changed_while_the_service_runs_is_found(database, what):
     await fill(database)
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    await whole(database)
+    async with guarded(database):
+        tamper(database.file, TAMPERED[what])
+        await wait_until(lambda: database.condition.fault is not None)
+        await wait_until(lambda: database.condition.integrity != "checking")
 
-    tamper(database.file, TAMPERED[what])
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.fault is None:
-            await asyncio.sleep(0.05)
-        while database.condition.integrity == "checking":
-            await asyncio.sleep(0.05)
-
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
     assert database.condition.integrity == "damaged"
 
 
@@ -129,7 +113,7 @@ async def test_a_doubt_that_comes_with_the_end_does_not_outlive_it(database):
     await fill(database)
     guard = Guard(database, 0.0)
     guarding = asyncio.create_task(guard.follow())
-    await whole(database)
+    await wait_until(lambda: database.condition.integrity == "whole")
     await asyncio.sleep(0.05)
 
     guarding.cancel()
@@ -140,25 +124,13 @@ async def test_a_doubt_that_comes_with_the_end_does_not_outlive_it(database):
     assert guarding.cancelled()
 
 
-async def whole(database):
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.integrity != "whole":
-            await asyncio.sleep(0.05)
-
-
 async def test_what_others_write_without_changing_a_record_is_found_to_be_harmless(database, monkeypatch):
     said = noted(monkeypatch)
     await fill(database)
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    await whole(database)
+    async with guarded(database):
+        tamper(database.file, "CREATE TABLE other (id INTEGER); DROP TABLE other;")
+        await wait_until(lambda: said and database.condition.fault is None)
 
-    tamper(database.file, "CREATE TABLE other (id INTEGER); DROP TABLE other;")
-    async with asyncio.timeout(HANGS_S):
-        while not said or database.condition.fault is not None:
-            await asyncio.sleep(0.05)
-
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
     assert all("Another program has written" in one for one in said)
     assert database.condition.integrity == "whole"
 
@@ -191,33 +163,24 @@ async def test_a_look_by_a_process_settles_no_doubt(process, database, monkeypat
     monkeypatch.setattr(monitor, "_COMMAND", (sys.executable, "-c", process))
     database.condition.note_damage(FOREIGN, "Another program has written.")
 
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.unchecked is None:
-            assert not guarding.done()
-            await asyncio.sleep(0.01)
+    async with guarded(database, found_whole=False) as guarding:
+        await wait_until(lambda: database.condition.unchecked is not None or guarding.done())
 
-    assert database.condition.damage == "Another program has written."
-    assert database.condition.integrity == "damaged"
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
+        assert not guarding.done()
+        assert database.condition.damage == "Another program has written."
+        assert database.condition.integrity == "damaged"
 
 
 async def test_a_look_that_was_not_finished_is_taken_again(database, monkeypatch):
     looks = monitor._COMMAND
     monkeypatch.setattr(monitor, "_RETRY_S", 0.0)
     monkeypatch.setattr(monitor, "_COMMAND", (sys.executable, "-c", "raise SystemExit(1)"))
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.unchecked is None:
-            await asyncio.sleep(0.01)
-
-    monkeypatch.setattr(monitor, "_COMMAND", looks)
-    await whole(database)
+    async with guarded(database, found_whole=False):
+        await wait_until(lambda: database.condition.unchecked is not None)
+        monkeypatch.setattr(monitor, "_COMMAND", looks)
+        await wait_until(lambda: database.condition.integrity == "whole")
 
     assert database.condition.unchecked is None
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
 
 
 async def test_one_changed_bit_anywhere_shows_by_the_seal(left, database_url):
@@ -235,7 +198,7 @@ async def test_one_changed_bit_anywhere_shows_by_the_seal(left, database_url):
 async def test_an_older_copy_with_less_in_it_is_noticed_at_the_start(left, database_url):
     shutil.copy(left, left.with_name("older"))
     database = Database(database_url)
-    await SessionRepository(database).add("third", make_setup(), make_plan())
+    await add(database, "third")
     database.close()
     shutil.copy(left.with_name("older"), left)
 
@@ -316,17 +279,11 @@ async def test_replacing_a_record_is_refused_by_our_own_connection(database):
 @pytest.mark.skipif(sys.platform == "win32", reason="removing an open file is POSIX")
 async def test_a_removed_database_comes_back_without_anybody_writing(database):
     await fill(database)
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    await whole(database)
-    database.file.unlink()
+    async with guarded(database):
+        database.file.unlink()
+        await wait_until(database.file.exists)
 
-    async with asyncio.timeout(HANGS_S):
-        while not database.file.exists():
-            await asyncio.sleep(0.05)
-
-    assert verify_left(database.file).head == await database.head()
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
+        assert verify_left(database.file).head == await database.head()
 
 
 async def test_another_file_in_its_place_is_no_damage_of_the_database(database):
@@ -334,16 +291,10 @@ async def test_another_file_in_its_place_is_no_damage_of_the_database(database):
     database.file.rename(database.file.with_name("away"))
     database.file.write_text("something else")
 
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    async with asyncio.timeout(HANGS_S):
-        while "Another file lies" not in (database.condition.fault or ""):
-            await asyncio.sleep(0.05)
-    await asyncio.sleep(1.0)
-    assert not database.condition.damaged
+    async with guarded(database, found_whole=False):
+        await wait_until(lambda: "Another file lies" in (database.condition.fault or ""))
+        await asyncio.sleep(1.0)
+        assert not database.condition.damaged
 
-    database.file.with_name("away").replace(database.file)
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.fault is not None:
-            await asyncio.sleep(0.05)
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
+        database.file.with_name("away").replace(database.file)
+        await wait_until(lambda: database.condition.fault is None)

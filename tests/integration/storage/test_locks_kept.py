@@ -10,8 +10,7 @@ import sys
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from tests.helpers.machine import HANGS_S
+from tests.helpers.storage.sessions import add, wait_until
 from tests.helpers.web.clients import served, until
 from tests.integration.web.bench import CELL, Bench
 from truepose.settings import Settings
@@ -22,7 +21,6 @@ from truepose.storage.database import Database
 from truepose.storage.engine.address import database_file
 from truepose.storage.errors import DatabaseInUseError
 from truepose.storage.integrity.monitor import Guard
-from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = [
     pytest.mark.engine("sqlite"),
@@ -34,10 +32,6 @@ database = sqlite3.connect(sys.argv[1])
 database.execute("SELECT count(*) FROM links").fetchone()
 database.close()
 """
-
-
-async def add(database, name="first"):
-    return await SessionRepository(database).add(name, make_setup(), make_plan())
 
 
 @pytest.fixture
@@ -117,8 +111,6 @@ async def test_the_locks_outlast_everything_that_a_service_does_by_itself(sealed
 
     async with served(settings, Bench().registry()) as client:
         await until(client, "/health", lambda health: health["integrity"]["state"] == "whole")
-        async with asyncio.timeout(HANGS_S):
-            while not copies_in(plan.folder):
-                await asyncio.sleep(0.05)
+        await wait_until(lambda: copies_in(plan.folder))
 
         assert await log_outlives_another_program(database_file(database_url))

@@ -9,30 +9,27 @@ import textwrap
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from tests.helpers.machine import HANGS_S
+from tests.helpers.storage.sessions import add, names
 from truepose.storage.database import Database
 from truepose.storage.engine import sqlite_file
 from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import ConflictError, StorageUnavailableError
-from truepose.storage.ledger.sessions import SessionRepository
-from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("sqlite")  # a server's refusals: server/test_refusals.py
 
 
-async def add(database, name="first"):
-    return await SessionRepository(database).add(name, make_setup(), make_plan())
-
-
-async def names(database):
-    return [record.name for record in await SessionRepository(database).page(Page())]
+def pragma(database, statement):
+    """Ask the library of the writer for something, or have it set."""
+    return database._writer.submit(
+        lambda: database.backend.plain.execute(f"PRAGMA {statement}").fetchone()
+    ).result()
 
 
 @pytest.fixture
 def impatient(database):
     """The same database, whose writer does not wait for a lock."""
-    database._writer.submit(lambda: database.backend.plain.execute("PRAGMA busy_timeout=0")).result()
+    pragma(database, "busy_timeout=0")
     return database
 
 
@@ -60,16 +57,14 @@ async def test_a_lock_that_others_hold_refuses_until_it_is_gone(impatient, locke
 
 
 async def test_a_full_disk_refuses_until_there_is_room(database):
-    full = database._writer.submit(
-        lambda: database.backend.plain.execute("PRAGMA page_count").fetchone()[0]
-    ).result()
-    database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={full}")).result()
+    (full,) = pragma(database, "page_count")
+    pragma(database, f"max_page_count={full}")
     with pytest.raises(StorageUnavailableError, match="full"):
         for _ in range(50):
             await add(database, "too many")
     kept = await names(database)
 
-    database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={2**31}")).result()
+    pragma(database, f"max_page_count={2**31}")
     await asyncio.wait_for(database.writable(), HANGS_S)
     await add(database, "last")
 
@@ -84,8 +79,8 @@ async def test_a_link_for_which_there_is_no_room_is_refused_like_any_record(data
         )
         connection.connection.cursor().execute(link)
 
-    full = await database.on_writer(lambda c: c.execute("PRAGMA page_count").fetchone()[0])
-    await database.on_writer(lambda c: c.execute(f"PRAGMA max_page_count={full + 10}"))
+    (full,) = pragma(database, "page_count")
+    pragma(database, f"max_page_count={full + 10}")
     wants = [add(database, f"number {n}") for n in range(others)]
     *results, refused = await asyncio.gather(*wants, database.write(linked), return_exceptions=True)
 

@@ -5,14 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.machine import HANGS_S
+from tests.helpers.storage.sessions import add, measure, names
 from truepose.storage.database import Database
 from truepose.storage.engine import sqlite
 from truepose.storage.errors import StorageUnavailableError
-from truepose.storage.ledger.entries import LedgerRepository
-from truepose.storage.ledger.sessions import SessionRepository
-from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("sqlite")  # a server has its own disk: server/test_refusals.py
 MIB = 2**20
@@ -48,19 +45,8 @@ def set_most(database, pages):
     database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={pages}")).result()
 
 
-async def begun(database):
-    sessions = SessionRepository(database)
-    return await sessions.add("first", make_setup(), make_plan())
-
-
-async def measure(database, session, count):
-    ledger = LedgerRepository(database)
-    for config in range(1, count + 1):
-        await ledger.append(session, point_taken(make_point(config)))
-
-
 async def test_a_full_disk_takes_the_readings_of_what_is_under_way(database, disk):
-    session = await begun(database)
+    session = await add(database)
     await database.keep_reserve()
     assert database.backend.reserve.file.stat().st_size == 16 * MIB
 
@@ -74,27 +60,27 @@ async def test_a_full_disk_takes_the_readings_of_what_is_under_way(database, dis
 
 
 async def test_nothing_new_begins_until_there_is_room(database, disk):
-    session = await begun(database)
+    session = await add(database)
     await database.keep_reserve()
     disk.fill()
     await measure(database, session, 40)
 
     with pytest.raises(StorageUnavailableError, match="nothing new begins"):
-        await begun(database)
+        await add(database)
     await database.keep_reserve()
     with pytest.raises(StorageUnavailableError, match="nothing new begins"):
-        await begun(database)
+        await add(database)
 
     disk.make_room()
     await database.keep_reserve()
-    await begun(database)
+    await add(database)
     assert database.condition.fault is None
     assert database.backend.reserve.file.exists()
-    assert len(await SessionRepository(database).page(Page())) == 2
+    assert await names(database) == ["first", "first"]
 
 
 async def test_without_a_reserve_a_full_disk_refuses_as_ever(database, disk):
-    session = await begun(database)
+    session = await add(database)
     disk.fill()
 
     with pytest.raises(StorageUnavailableError, match="full"):

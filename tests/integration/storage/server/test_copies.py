@@ -1,15 +1,15 @@
 """A shop's database goes from a file to a server and back, bit for bit, or not at all."""
 
 import asyncio
+import contextlib
 import json
 import math
 import shutil
-import subprocess
-import sys
 from contextlib import closing
 
 import pytest
 
+from tests.helpers.commands import installed
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.postgresql.line import Line
 from truepose.storage.backup import transfer as transferring
@@ -77,6 +77,41 @@ def everything(url):
 
 def _plain(value):
     return value.decode() if isinstance(value, bytearray) else value
+
+
+WHOEVER_HAS_THE_LOCK = "pid IN (SELECT pid FROM pg_locks WHERE locktype = 'advisory')"
+ALL = "application_name = 'truepose'"
+
+
+@pytest.fixture
+def end(server, name):
+    """Return what ends some of the connections to the server's database, and returns how many."""
+
+    def ended(which):
+        found = f"SELECT pid FROM pg_stat_activity WHERE datname = %s AND {which}"
+        with server.connect() as administrator:
+            return administrator.execute(
+                f"SELECT pg_terminate_backend(pid, 5000) FROM ({found}) AS found", (name,)
+            ).rowcount
+
+    return ended
+
+
+@contextlib.contextmanager
+def behind(step, act):
+    """Have something happen behind a step of every transfer meanwhile."""
+    real = getattr(transferring, step)
+
+    def both(*arguments):
+        real(*arguments)
+        act()
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(transferring, step, both)
+        yield
+
+
+STEPS = pytest.mark.parametrize("step", ["_copy_tables", "_require_same"])
 
 
 async def test_a_copied_database_is_the_same_bit_for_bit_on_both_engines(file, database_url, tmp_path):
@@ -148,40 +183,36 @@ async def test_neither_may_be_in_use(file, database_url, there):
         holder.close()
 
 
-async def test_while_it_is_copied_no_service_gets_the_source(file, database_url, tmp_path, monkeypatch):
+async def test_while_it_is_copied_no_service_gets_the_source(file, database_url, tmp_path):
     transfer(file, database_url)
     refused = []
 
-    def copied(source, target, links, told):
+    def ask():
         with pytest.raises(DatabaseInUseError):
             Database(database_url)
         refused.append(True)
-        written(source, target, links, told)
 
-    written = transferring._copy_tables
-    monkeypatch.setattr(transferring, "_copy_tables", copied)
-    transfer(database_url, f"sqlite:///{tmp_path}/back.sqlite3")
+    with behind("_copy_tables", ask):
+        transfer(database_url, f"sqlite:///{tmp_path}/back.sqlite3")
 
     assert refused == [True]
 
 
-@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
+@STEPS
 async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_source(
-    file, database_url, server, tmp_path, monkeypatch, where
+    file, database_url, end, tmp_path, step
 ):
     transfer(file, database_url)
-    real, target = getattr(transferring, where), f"sqlite:///{tmp_path}/back.sqlite3"
+    target = f"sqlite:///{tmp_path}/back.sqlite3"
 
-    def lost(*arguments):
-        real(*arguments)
-        assert end_whoever_has_the_lock(server, database_url) == 1
+    def lose():
+        assert end(WHOEVER_HAS_THE_LOCK) == 1
         Database(database_url).close()  # a service gets it now
 
     with (
-        monkeypatch.context() as patched,
+        behind(step, lose),
         pytest.raises(BackupError, match=r"cannot be copied to .*nothing was kept\.") as refused,
     ):
-        patched.setattr(transferring, where, lost)
         transfer(database_url, target)
 
     assert "\n" not in str(refused.value)
@@ -190,37 +221,31 @@ async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_source(
     assert everything(target) == everything(database_url)
 
 
-@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
-async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_target(
-    file, database_url, server, monkeypatch, where
-):
-    real = getattr(transferring, where)
+@STEPS
+async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_target(file, database_url, end, step):
+    ended = []
 
-    def lost(*arguments):
-        real(*arguments)
-        assert end_whoever_has_the_lock(server, database_url) == 1
-
-    monkeypatch.setattr(transferring, where, lost)
-    with pytest.raises(BackupError, match=r"cannot be copied to .*nothing was kept\.") as refused:
+    with (
+        behind(step, lambda: ended.append(end(WHOEVER_HAS_THE_LOCK))),
+        pytest.raises(BackupError, match=r"cannot be copied to .*nothing was kept\.") as refused,
+    ):
         transfer(file, database_url)
 
+    assert ended == [1]
     assert "\n" not in str(refused.value)
     assert not any(everything(database_url).values())
 
 
 @pytest.mark.parametrize("when", ["before", "after"])
 async def test_a_commit_whose_answer_is_lost_is_not_said_to_have_kept_nothing(
-    file, database_url, server, tmp_path_factory, monkeypatch, when
+    file, database_url, server, tmp_path_factory, when
 ):
     line = Line(server, tmp_path_factory.mktemp("line"))
-    real = transferring._require_same
 
-    def lost(*arguments):
-        real(*arguments)
-        line.cut_next_commit(when)
-
-    monkeypatch.setattr(transferring, "_require_same", lost)
-    with pytest.raises(BackupError, match=r"it holds every record now, or none; look with 'truepose verify'"):
+    with (
+        behind("_require_same", lambda: line.cut_next_commit(when)),
+        pytest.raises(BackupError, match=r"it holds every record now, or none; look with 'truepose verify'"),
+    ):
         transfer(file, database_url.replace(str(server.folder), str(line.folder)))
     line.close()
 
@@ -228,66 +253,36 @@ async def test_a_commit_whose_answer_is_lost_is_not_said_to_have_kept_nothing(
     assert any(everything(database_url).values()) is (when == "after")
 
 
-@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
-async def test_a_backup_whose_connection_ends_leaves_no_file(
-    file, database_url, server, tmp_path, monkeypatch, where
-):
+@STEPS
+async def test_a_backup_whose_connection_ends_leaves_no_file(file, database_url, end, tmp_path, step):
     transfer(file, database_url)
-    real, copy = getattr(transferring, where), tmp_path / "copies" / "copy.sqlite3"
+    copy = tmp_path / "copies" / "copy.sqlite3"
 
-    def lost(*arguments):
-        real(*arguments)
-        end_all(server, database_url)
-
-    monkeypatch.setattr(transferring, where, lost)
-    with pytest.raises(BackupError, match=r"nothing was kept\."):
+    with behind(step, lambda: end(ALL)), pytest.raises(BackupError, match=r"nothing was kept\."):
         back_up_at(database_url, copy)
 
     assert [*copy.parent.iterdir()] == []
 
 
-async def test_a_verification_whose_connection_ends_says_so_and_finds_nothing(
-    file, database_url, server, monkeypatch
-):
+async def test_a_verification_whose_connection_ends_says_so_and_finds_nothing(file, database_url, end):
     transfer(file, database_url)
     asked = []
 
     def told(share):
         if not asked:
-            asked.append(end_all(server, database_url))
+            asked.append(end(ALL))
 
     with pytest.raises(ServerAwayError, match="does not answer"):
         verify_left_at(database_url, told)
     assert asked == [1]
 
 
-def end_whoever_has_the_lock(server, url):
-    return _end(server, url, "pid IN (SELECT pid FROM pg_locks WHERE locktype = 'advisory')")
-
-
-def end_all(server, url):
-    return _end(server, url, "application_name = 'truepose'")
-
-
-def _end(server, url, which):
-    name = url.split("/")[3].split("?")[0]
-    with server.connect() as administrator:
-        return administrator.execute(
-            f"SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE datname = %s AND {which}",
-            (name,),
-        ).rowcount
-
-
-@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
-async def test_what_is_cut_short_leaves_nothing_and_can_be_begun_anew(file, database_url, monkeypatch, where):
-    real = getattr(transferring, where)
-
-    def cut(*arguments):
-        real(*arguments)
+@STEPS
+async def test_what_is_cut_short_leaves_nothing_and_can_be_begun_anew(file, database_url, step):
+    def cut():
         raise KeyboardInterrupt
 
-    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
-        patched.setattr(transferring, where, cut)
+    with behind(step, cut), pytest.raises(KeyboardInterrupt):
         transfer(file, database_url)
     assert not any(everything(database_url).values())
 
@@ -362,15 +357,10 @@ async def test_a_spoilt_copy_is_not_restored(file, database_url, tmp_path):
     assert not any(everything(database_url).values())
 
 
-def truepose(*arguments):
-    command = [sys.executable, "-m", "truepose", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 async def test_the_command_copies_and_says_what(file, database_url, tmp_path):
-    done = truepose("copy", tmp_path / "shop.sqlite3", database_url, "--json")
-    verified = truepose("verify", database_url, "--json")
-    again = truepose("copy", file, database_url)
+    done = installed("copy", tmp_path / "shop.sqlite3", database_url, "--json")
+    verified = installed("verify", database_url, "--json")
+    again = installed("copy", file, database_url)
 
     told, found = json.loads(done.stdout), json.loads(verified.stdout)
     assert (done.returncode, told["head"], told["records"]) == (0, found["head"], found["records"])

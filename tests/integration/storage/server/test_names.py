@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.storage.sessions import add
 from truepose.storage.backup.transfer import transfer
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
@@ -10,7 +10,6 @@ from truepose.storage.engine.address import database_file
 from truepose.storage.engine.reading import lies_beside
 from truepose.storage.errors import BackupError, DatabaseInUseError, ServerRefusedError
 from truepose.storage.integrity.verification import verify_left_at
-from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = pytest.mark.engine("postgresql")
 
@@ -23,11 +22,16 @@ def renamed(server, database_url, tmp_path):
     return database_url.replace(str(server.folder), str(other))
 
 
+@pytest.fixture
 def schema(server, database_url, name):
-    """Make a schema and return the address that leads there."""
-    with server.connect(database_url.split("/")[3].split("?")[0]) as other:
-        other.execute(f'CREATE SCHEMA IF NOT EXISTS "{name}"')
-    return f"{database_url}&options=-csearch_path%3D{name}"
+    """Return what makes a schema and returns the address that leads there."""
+
+    def made(called):
+        with server.connect(name) as other:
+            other.execute(f'CREATE SCHEMA IF NOT EXISTS "{called}"')
+        return f"{database_url}&options=-csearch_path%3D{called}"
+
+    return made
 
 
 def test_a_second_service_is_refused_by_whatever_name_it_comes(database_url, renamed):
@@ -58,10 +62,10 @@ def test_a_database_is_not_copied_to_itself_under_another_name(database_url, ren
         transfer(database_url, renamed)
 
 
-async def test_two_schemas_are_two_databases_side_by_side(server, database_url):
-    urls = [schema(server, database_url, name) for name in ("north", "south")]
+async def test_two_schemas_are_two_databases_side_by_side(schema):
+    urls = [schema(called) for called in ("north", "south")]
     opened = [Database(url) for url in urls]
-    await SessionRepository(opened[0]).add("northern", make_setup(), make_plan())
+    await add(opened[0], "northern")
     heads = [await database.head() for database in opened]
     for database in opened:
         database.close()
@@ -72,8 +76,8 @@ async def test_two_schemas_are_two_databases_side_by_side(server, database_url):
     assert database_file(urls[0]) != database_file(urls[1])  # of which the logs are named
 
 
-def test_a_name_of_a_schema_may_hold_anything_and_is_not_mistaken(server, database_url):
-    files = {lies_beside(schema(server, database_url, name)) for name in ("a_b", "a.b", "ä/b", "x" * 63)}
+def test_a_name_of_a_schema_may_hold_anything_and_is_not_mistaken(schema):
+    files = {lies_beside(schema(called)) for called in ("a_b", "a.b", "ä/b", "x" * 63)}
 
     assert len(files) == 4
     assert all(len(file.name) < 80 and file.parent.name == "postgresql" for file in files)
@@ -86,11 +90,10 @@ def test_a_schema_that_is_not_there_is_said(database_url):
         verify_left_at(f"{database_url}&options=-csearch_path%3Dnowhere")
 
 
-async def test_newest_records_that_a_database_made_anew_lacks_are_missed(server, database_url):
+async def test_newest_records_that_a_database_made_anew_lacks_are_missed(server, database_url, name):
     database = Database(database_url)
-    await SessionRepository(database).add("first", make_setup(), make_plan())
+    await add(database)
     database.close()
-    name = database_url.split("/")[3].split("?")[0]
     server.drop(name)
     server.make(name)
 
@@ -100,8 +103,7 @@ async def test_newest_records_that_a_database_made_anew_lacks_are_missed(server,
     assert "newest records" in again.condition.fault
 
 
-def test_a_server_that_does_not_say_which_it_is_is_refused(server, database_url):
-    name = database_url.split("/")[3].split("?")[0]
+def test_a_server_that_does_not_say_which_it_is_is_refused(server, database_url, name):
     with server.connect(name) as other:
         other.execute("CREATE ROLE unknowing LOGIN")
         other.execute(f'GRANT ALL ON DATABASE "{name}" TO unknowing')

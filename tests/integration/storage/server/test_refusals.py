@@ -6,9 +6,10 @@ import os
 import psycopg
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.domain.tracker_sessions import make_point, make_setup, point_taken
 from tests.helpers.postgresql.line import Line
 from tests.helpers.postgresql.server import own_server
+from tests.helpers.storage.sessions import add, names, wait_until
 from truepose import health
 from truepose.health import HealthMonitor
 from truepose.storage.database import Database
@@ -22,19 +23,9 @@ from truepose.storage.errors import (
 )
 from truepose.storage.integrity.verification import verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
-from truepose.storage.ledger.sessions import SessionRepository
-from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("postgresql")
 PATIENCE_S = 30
-
-
-async def add(database, name="first"):
-    return await SessionRepository(database).add(name, make_setup(), make_plan())
-
-
-async def names(database):
-    return [record.name for record in await SessionRepository(database).page(Page())]
 
 
 async def _as_soon_as_it_is_free(database_url):
@@ -148,13 +139,9 @@ async def test_who_has_lost_the_database_to_another_service_writes_nothing_any_m
     with pytest.raises(StorageUnavailableError):
         await add(database, "second")
     await add(other, "theirs")
-    async with asyncio.timeout(PATIENCE_S):
-        while "in use by another truepose service" not in database.condition.fault:
-            await asyncio.sleep(0.05)
+    await wait_until(lambda: "in use by another truepose service" in database.condition.fault)
     other.close()
-    async with asyncio.timeout(PATIENCE_S):
-        while "start it again" not in database.condition.fault:
-            await asyncio.sleep(0.05)
+    await wait_until(lambda: "start it again" in database.condition.fault)
 
     with pytest.raises(StorageUnavailableError, match="written by another service"):
         await add(database, "second")
@@ -170,9 +157,8 @@ async def test_a_commit_in_doubt_is_answered_also_where_another_service_came_bet
     line.closed = True  # to new connections
     line.cut_next_commit(when)
     second = asyncio.create_task(add(database, "second"))
+    await wait_until(lambda: "ended during a commit" in (database.condition.trouble or ""))
     async with asyncio.timeout(PATIENCE_S):
-        while "ended during a commit" not in (database.condition.trouble or ""):
-            await asyncio.sleep(0.01)
         other = await _as_soon_as_it_is_free(database_url)
         await add(other, "theirs")
         other.close()
@@ -186,13 +172,10 @@ async def test_a_commit_in_doubt_is_answered_also_where_another_service_came_bet
         await add(database, "third")
 
 
-async def test_a_connection_that_the_server_ends_is_begun_anew(database, server, database_url):
+async def test_a_connection_that_the_server_ends_is_begun_anew(database, server, name):
     await add(database)
     with server.connect() as other:
-        other.execute(
-            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s",
-            (database_url.split("/")[3].split("?")[0],),
-        )
+        other.execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s", (name,))
 
     assert await names(database) == ["first"]  # a query is asked again
     await add(database, "second")  # and what was not begun is begun again
@@ -371,8 +354,9 @@ def _killed_after_migrating():
     return killed
 
 
-def test_every_text_of_a_server_is_compared_byte_by_byte_and_every_whole_number_has_64_bits(database, server):
-    name = database.backend.url.split("/")[3].split("?")[0]
+def test_every_text_of_a_server_is_compared_byte_by_byte_and_every_whole_number_has_64_bits(
+    database, server, name
+):
     with server.connect(name) as other:
         found = other.execute(
             "SELECT table_name, column_name, data_type, collation_name FROM information_schema.columns "

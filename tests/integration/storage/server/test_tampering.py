@@ -1,16 +1,11 @@
 """What was changed on a server behind the service's back is noticed: at the start, meanwhile, by `verify`."""
 
-import asyncio
-
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from tests.helpers.machine import HANGS_S
+from tests.helpers.storage.sessions import fill, guarded, wait_until
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError
-from truepose.storage.integrity.monitor import Guard
 from truepose.storage.integrity.verification import verify_left_at
-from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = pytest.mark.engine("postgresql")
@@ -44,14 +39,6 @@ TAMPERED = {
 }
 
 
-async def fill(database):
-    sessions, ledger = SessionRepository(database), LedgerRepository(database)
-    for name in ("first", "second"):
-        await sessions.add(name, make_setup(), make_plan())
-    for config in range(1, 6):
-        await ledger.append(1, point_taken(make_point(config)))
-
-
 @pytest.fixture
 async def left(database_url):
     """A database that a service closed in order."""
@@ -61,64 +48,48 @@ async def left(database_url):
     return database
 
 
-def tamper(server, url, script):
-    with server.connect(url.split("/")[3].split("?")[0]) as connection:
-        connection.execute(script)
+@pytest.fixture
+def tamper(server, name):
+    """Return what changes the database behind the service's back."""
+
+    def changed(script):
+        with server.connect(name) as connection:
+            connection.execute(script)
+
+    return changed
 
 
 @pytest.mark.parametrize("script", TAMPERED.values(), ids=TAMPERED.keys())
-async def test_what_was_changed_is_found(left, server, database_url, script):
+async def test_what_was_changed_is_found(left, tamper, database_url, script):
     assert verify_left_at(database_url).findings == ()
 
-    tamper(server, database_url, script)
+    tamper(script)
 
     assert verify_left_at(database_url).findings
 
 
-async def whole(database):
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.integrity != "whole":
-            await asyncio.sleep(0.05)
-
-
-async def test_a_trigger_that_is_put_out_of_force_while_the_service_runs_is_found(
-    database, server, database_url
-):
+async def test_a_trigger_that_is_put_out_of_force_while_the_service_runs_is_found(database, tamper):
     await fill(database)
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    await whole(database)
-
-    tamper(server, database_url, TAMPERED["a trigger put out of force"])
-    async with asyncio.timeout(HANGS_S):
-        while database.condition.fault is None:
-            await asyncio.sleep(0.05)
+    async with guarded(database):
+        tamper(TAMPERED["a trigger put out of force"])
+        await wait_until(lambda: database.condition.fault is not None)
 
     assert "trigger" in database.condition.fault
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
 
 
-async def test_records_that_another_program_writes_bring_a_verification(database, server, database_url):
+async def test_records_that_another_program_writes_bring_a_verification(database, tamper, database_url):
     await fill(database)
-    guarding = asyncio.create_task(Guard(database, 0.0).follow())
-    await whole(database)
-
-    link = "INSERT INTO links SELECT max(id) + 1, 0, 'sessions', 9, 'x' FROM links"
-    tamper(server, database_url, link)
-    async with asyncio.timeout(HANGS_S):
-        while "Another program has written" not in (database.condition.fault or ""):
-            await asyncio.sleep(0.05)
-        while database.condition.integrity != "damaged":
-            await asyncio.sleep(0.05)
+    async with guarded(database):
+        tamper("INSERT INTO links SELECT max(id) + 1, 0, 'sessions', 9, 'x' FROM links")
+        await wait_until(lambda: "Another program has written" in (database.condition.fault or ""))
+        await wait_until(lambda: database.condition.integrity == "damaged")
 
     assert verify_left_at(database_url).findings
-    guarding.cancel()
-    await asyncio.gather(guarding, return_exceptions=True)
 
 
-async def test_a_server_that_comes_back_with_less_is_noticed_at_the_start(left, server, database_url):
-    tamper(server, database_url, "ALTER TABLE links DISABLE TRIGGER USER; DELETE FROM links WHERE id > 10;")
-    tamper(server, database_url, "ALTER TABLE links ENABLE TRIGGER USER;")
+async def test_a_server_that_comes_back_with_less_is_noticed_at_the_start(left, tamper, database_url):
+    tamper("ALTER TABLE links DISABLE TRIGGER USER; DELETE FROM links WHERE id > 10;")
+    tamper("ALTER TABLE links ENABLE TRIGGER USER;")
 
     database = Database(database_url)
 
@@ -126,12 +97,12 @@ async def test_a_server_that_comes_back_with_less_is_noticed_at_the_start(left, 
     database.close()
 
 
-async def test_the_readings_of_a_session_are_not_used_where_one_was_changed(database, server, database_url):
+async def test_the_readings_of_a_session_are_not_used_where_one_was_changed(database, tamper):
     await fill(database)
     sessions = SessionRepository(database)
     await sessions.require_intact(1)
 
-    tamper(server, database_url, TAMPERED["a reading that is 1 mm longer"])
+    tamper(TAMPERED["a reading that is 1 mm longer"])
 
     with pytest.raises(DamagedDatabaseError, match="Record 3 of the readings of session 1 is not as it was"):
         await sessions.require_intact(1)

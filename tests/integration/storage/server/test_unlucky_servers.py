@@ -6,30 +6,15 @@ import os
 import psycopg
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.storage.sessions import add, names
 from truepose.storage.database import Database
 from truepose.storage.engine.postgresql_connections import translate_error
 from truepose.storage.engine.postgresql_server import require_fit
 from truepose.storage.errors import ServerAwayError, ServerRefusedError
 from truepose.storage.integrity.verification import verify_left_at
-from truepose.storage.ledger.sessions import SessionRepository
-from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("postgresql")
 PATIENCE_S = 30
-
-
-async def add(database, name="first"):
-    return await SessionRepository(database).add(name, make_setup(), make_plan())
-
-
-async def names(database):
-    return [record.name for record in await SessionRepository(database).page(Page())]
-
-
-@pytest.fixture
-def name(database_url):
-    return database_url.split("/")[3].split("?")[0]
 
 
 @pytest.fixture
