@@ -89,19 +89,20 @@ def test_a_pose_that_was_cut_short_comes_again(arm, plan, setup):
     assert again.exchanged == ()
 
 
+def with_exchanged_lengths(counting, first, second):
+    legs = list(counting.legs)
+    legs[first] = replace(counting.legs[first], length=counting.legs[second].length)
+    legs[second] = replace(counting.legs[second], length=counting.legs[first].length)
+    return replace(counting, legs=tuple(legs))
+
+
 def test_legs_that_were_exchanged_are_found_and_their_pose_is_asked_for_again(arm, plan, setup):
     counting = measured_session(arm, plan, MEASURED)
     of_pose = [index for index, leg in enumerate(counting.legs) if leg.config == 7]
     lengths = [counting.legs[index].length.length_mm for index in of_pose]
     far = max(range(1, len(lengths)), key=lambda k: abs(lengths[k] - lengths[0]))
-    legs = list(counting.legs)
-    first, second = of_pose[0], of_pose[far]
-    legs[first], legs[second] = (
-        replace(legs[first], length=legs[second].length),
-        replace(legs[second], length=legs[first].length),
-    )
 
-    again = precalibrate(setup, plan, replace(counting, legs=tuple(legs)))
+    again = precalibrate(setup, plan, with_exchanged_lengths(counting, of_pose[0], of_pose[far]))
 
     assert again.exchanged == (7,)
     assert 7 in [pose.config for pose in again.poses]
@@ -116,18 +117,17 @@ def test_from_few_poses_lengths_are_foreseen_as_well_as_is_said(arm, plan, setup
 
 def test_an_exchange_in_the_first_of_few_poses_is_found(arm, plan, setup):
     counting = measured_session(arm, plan, range(1, 8))
-    legs = list(counting.legs)
-    lengths = [kept.length.length_mm for kept in legs[:6]]
-    low, high = int(np.argmin(lengths)), int(np.argmax(lengths))
-    first, second = legs[low], legs[high]
-    legs[low] = replace(first, length=second.length)
-    legs[high] = replace(second, length=first.length)
-    assert {first.config, second.config} == {legs[0].config}
+    of_first = counting.legs[:6]
+    lengths = [kept.length.length_mm for kept in of_first]
+    config = of_first[0].config
+    assert {kept.config for kept in of_first} == {config}
 
-    again = precalibrate(setup, plan, replace(counting, legs=tuple(legs)))
+    again = precalibrate(
+        setup, plan, with_exchanged_lengths(counting, int(np.argmin(lengths)), int(np.argmax(lengths)))
+    )
 
-    assert again.exchanged == (legs[0].config,)
-    assert legs[0].config in [pose.config for pose in again.poses]
+    assert again.exchanged == (config,)
+    assert config in [pose.config for pose in again.poses]
 
 
 def test_too_few_legs_are_said_in_one_sentence(arm, plan, setup):

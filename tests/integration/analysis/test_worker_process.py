@@ -81,6 +81,9 @@ class Signalled:
         os.kill(os.getpid(), self.number)
 
 
+FAULT = "The program failed at this task"
+
+
 async def nobody(fraction, doing):
     pass
 
@@ -97,28 +100,19 @@ async def test_the_answer_comes_back_with_the_progress_on_the_way():
     assert told == [(0.5, "half way")]
 
 
-async def test_a_sentence_of_the_task_arrives_as_it_was():
-    with pytest.raises(TaskRefusedError, match=r"^No row 3\.$"):
-        await perform_in_worker(Fail(ConfigurationError("No row 3.")), nobody)
-
-
-async def test_a_fault_of_the_program_is_told_as_one():
-    with pytest.raises(
-        TaskRefusedError, match=r"The program failed at this task \(ZeroDivisionError: by 0\)"
-    ):
-        await perform_in_worker(Fail(ZeroDivisionError("by 0")), nobody)
-
-
-async def test_a_worker_that_dies_is_told_with_its_last_words():
-    with pytest.raises(
-        WorkerDiedError, match="ended with status 7 before it answered; its last message was: last words"
-    ):
-        await perform_in_worker(Die(7), nobody)
-
-
-async def test_an_answer_that_cannot_travel_is_a_fault_of_the_program():
-    with pytest.raises(TaskRefusedError, match=r"The program failed at this task \(.*pickle"):
-        await perform_in_worker(AnswerOfNoModule(), nobody)
+@pytest.mark.parametrize(
+    ("task", "error", "said"),
+    [
+        (Fail(ConfigurationError("No row 3.")), TaskRefusedError, r"^No row 3\.$"),
+        (Fail(ZeroDivisionError("by 0")), TaskRefusedError, rf"{FAULT} \(ZeroDivisionError: by 0\)"),
+        (AnswerOfNoModule(), TaskRefusedError, rf"{FAULT} \(.*pickle"),
+        (Die(7), WorkerDiedError, "status 7 before it answered; its last message was: last words"),
+    ],
+    ids=["refused", "a fault of the program", "an answer that cannot travel", "dead"],
+)
+async def test_a_worker_without_an_answer_is_told_with_its_words(task, error, said):
+    with pytest.raises(error, match=said):
+        await perform_in_worker(task, nobody)
 
 
 async def test_a_line_of_the_worker_that_is_too_long_for_a_log_stops_nobody():

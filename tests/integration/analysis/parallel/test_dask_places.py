@@ -130,14 +130,6 @@ def test_tls_without_a_certificate_of_ones_own_is_a_sentence():
         pass
 
 
-@pytest.mark.parametrize(
-    "where", ["0", "two", "-1", "dask://", "dask://host", "dask://host:x", "dask://host:65536", "2000", ""]
-)
-def test_workers_that_nobody_can_mean_are_refused(where):
-    with pytest.raises(ConfigurationError, match="--workers"), workers(where, parts=2):
-        pass
-
-
 def test_without_dask_one_sentence_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
 

@@ -138,25 +138,28 @@ async def test_a_result_that_alone_is_refused_has_its_job_fail_with_the_reason()
     assert storage.results == []
 
 
-async def test_while_a_result_waits_it_is_said_why():
+async def waiting():
+    """Return a storage that has refused a result once and is not there yet, and the queue with that job."""
     storage = Storage(None, None, AWAY)
     storage.there.clear()
     queue = await begun(storage, Worker())
     await asyncio.sleep(1)
+    return storage, queue
 
-    waiting = queue.foreseen(1)
+
+async def test_while_a_result_waits_it_is_said_why():
+    storage, queue = await waiting()
+
+    meanwhile = queue.foreseen(1)
     storage.there.set()
     await ended(queue)
 
-    assert waiting.refused == str(AWAY)
+    assert meanwhile.refused == str(AWAY)
     assert storage.results == ["answer"]
 
 
 async def test_a_job_that_was_cancelled_while_its_result_waited_keeps_that_end():
-    storage = Storage(None, None, AWAY)
-    storage.there.clear()
-    queue = await begun(storage, Worker())
-    await asyncio.sleep(1)
+    storage, queue = await waiting()
 
     await storage.change_state(1, JobState.CANCELLED, "Cancelled.")
     storage.there.set()

@@ -26,6 +26,13 @@ def quiet(fraction, doing):
     pass
 
 
+def poses_planned(cell=None, **asked):
+    """Return the session of a test of ISO 9283."""
+    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
+    setup = SessionSetup(cell or simulated_cell("irb120-tilted", 0))
+    return PosePlanTask(setup, wanted, **asked).perform(quiet)
+
+
 def test_calibration_readings_never_stand_in_for_validation_readings():
     campaign = dataclasses.replace(make_campaign(), validation=None, validation_legs=None)
 
@@ -53,12 +60,9 @@ def test_without_ranges_nothing_is_chosen():
 
 
 def test_the_poses_of_iso_9283_become_cycles_of_the_session():
-    cell = simulated_cell("irb120-tilted", 0)
-    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
     place = {"centre_mm": (300.0, 0.0, 350.0), "edge_mm": 100.0, "plane": "y+"}
-    task = PosePlanTask(SessionSetup(cell), wanted, **place, quaternion=(0, 2, 0, 0), nest=2, cycles=3)
 
-    plan = task.perform(quiet)
+    plan = poses_planned(**place, quaternion=(0, 2, 0, 0), nest=2, cycles=3)
 
     assert (len(plan.stops), plan.settle_s, plan.approach_offset_rad) == (15, 7.0, None)
     assert {stop.nest for stop in plan.stops} == {2}
@@ -71,9 +75,7 @@ UNSAID = {"centre_mm": None, "edge_mm": None, "quaternion": None, "nest": None, 
 @pytest.fixture(scope="module")
 def of_no_stated_cube():
     """The plan of a cube that is looked for, which takes half a second."""
-    setup = SessionSetup(simulated_cell("irb120-tilted", 0))
-    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
-    return PosePlanTask(setup, wanted, **UNSAID).perform(quiet)
+    return poses_planned(**UNSAID)
 
 
 def test_a_cube_that_nobody_states_has_room_and_sight(of_no_stated_cube):
@@ -89,24 +91,17 @@ def test_a_cube_that_nobody_states_has_room_and_sight(of_no_stated_cube):
 
 
 def test_a_cube_that_nobody_states_keeps_to_what_is_stated():
-    cell = simulated_cell("irb120-tilted", 0)
-    asked = UNSAID | {"nest": 3}
-    task = PosePlanTask(
-        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **asked
-    )
+    plan = poses_planned(**UNSAID | {"nest": 3})
 
-    assert {stop.nest for stop in task.perform(quiet).stops} == {3}
+    assert {stop.nest for stop in plan.stops} == {3}
 
 
 def test_where_the_tracker_sees_no_pose_no_cube_is_made_up():
     cell = dataclasses.replace(simulated_cell("irb120-tilted", 0), tracker_position_mm=(0.0, 0.0, -3000.0))
     asked = UNSAID | {"nest": 1, "quaternion": (0.0, 1.0, 0.0, 0.0)}
-    task = PosePlanTask(
-        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **asked
-    )
 
     with pytest.raises(ConfigurationError, match="No ISO 9283 cube was found"):
-        task.perform(quiet)
+        poses_planned(cell, **asked)
 
 
 @pytest.mark.parametrize(
@@ -119,13 +114,11 @@ def test_where_the_tracker_sees_no_pose_no_cube_is_made_up():
     ],
 )
 def test_poses_that_cannot_be_had_are_refused(wrong, sentence):
-    cell = simulated_cell("irb120-tilted", 0)
-    wanted = dataclasses.replace(make_plan(role="validation"), stops=())
     place = {"centre_mm": (370.0, 0.0, 400.0), "edge_mm": 200.0, "plane": "y+", "nest": 1, "cycles": 3}
     asked = place | {"quaternion": (0.0, 1.0, 0.0, 0.0)} | wrong
 
     with pytest.raises(ConfigurationError, match=sentence):
-        PosePlanTask(SessionSetup(cell), wanted, **asked).perform(quiet)
+        poses_planned(**asked)
 
 
 @pytest.mark.parametrize(
@@ -133,14 +126,11 @@ def test_poses_that_cannot_be_had_are_refused(wrong, sentence):
     [({"test": "directions", "approach_mm": 30.0}, 9, False), ({"test": "drift", "hours": 0.5}, 40, True)],
 )
 def test_the_other_tests_of_iso_9283_take_the_same_poses(of_no_stated_cube, test, stops, ends_when_settled):
-    cell = simulated_cell("irb120-tilted", 0)
-    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
-
-    plan = PosePlanTask(SessionSetup(cell), wanted, **UNSAID | test).perform(quiet)
+    plan = poses_planned(**UNSAID | test)
 
     five = of_no_stated_cube.stops
     assert {stop.joints_rad for stop in plan.stops} <= {stop.joints_rad for stop in five}
     assert {stop.nest for stop in plan.stops} == {stop.nest for stop in five}
     assert (len(plan.stops), plan.settle_s, plan.approach_offset_rad) == (stops, 7.0, None)
     assert plan.ends_when_settled is ends_when_settled
-    assert path_warnings_of_plan(cell, plan) == ""
+    assert path_warnings_of_plan(simulated_cell("irb120-tilted", 0), plan) == ""

@@ -13,7 +13,8 @@ def test_a_number_is_so_many_processes():
 @pytest.mark.parametrize(
     "where",
     [
-        *("0", "1025", "many", "dask://", "dask://host", "dask://host:0", "dask://host:port", "dask://:8786"),
+        *("", "0", "-1", "1025", "many", "dask://", "dask://host", "dask://:8786"),
+        *("dask://host:0", "dask://host:65536", "dask://host:port"),
         *("dask://a..b:8786", "dask://.host:8786", f"dask://{'a' * 64}:8786"),
     ],
 )

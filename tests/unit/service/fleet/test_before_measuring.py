@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigvalsh
 from scipy.stats import ncx2
 
-from tests.studies.fleet.simulated import campaign_of, draw_fleet
+from tests.helpers.fleet.recorded import recorded_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.campaigns import effects_of_robot, information_of
@@ -20,9 +20,6 @@ from truepose.messages.catalogue import english
 from truepose.planning.prediction.expected_covariance import ArmKnowledge, PriorKnowledge
 from truepose.planning.workspace.candidates import draw_candidates
 from truepose.planning.workspace.space import space_to_measure
-from truepose_simulators.cell.environment import CellClock
-from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import RecordingRequest
 
 _LIMIT_MM = 0.05
 
@@ -44,9 +41,7 @@ def knowns(cell):
 
 @pytest.fixture(scope="module")
 def campaign():
-    robot = draw_fleet(1, robots=2, ageing=0).robots[0]
-    wishes = RecordingRequest(configurations=60, validation=0, attachments=1)
-    return campaign_of(Cell(robot.scenario(0.0, 0.0), 1, CellClock(0)), wishes)
+    return recorded_campaign(60)
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +52,18 @@ def belief(campaign):
     mean = np.array([spec.prior_mean for spec in told.specs])
     mean = np.where(np.array(told.names) == "wave_6_100_sin", 5e-4, mean)
     return JointPrior(told.specs, told.owners, mean, np.diag((0.02 * widths) ** 2))
+
+
+@pytest.fixture(scope="module")
+def planned(space, belief, knowns):
+    """Return what plans a check of the wave, from so many candidates."""
+
+    def check(count, seed, limit_mm=_LIMIT_MM, causes=None):
+        candidates = draw_candidates(space, count, np.random.default_rng(seed))
+        asked = [_wave(belief)] if causes is None else causes
+        return quick_check(space, candidates, belief, asked, limit_mm, knowns)
+
+    return check
 
 
 def _wave(belief):
@@ -102,10 +109,8 @@ def test_a_type_of_which_nothing_is_believed_beyond_the_usual_lacks_nothing(beli
     assert lacking_mm(few, campaign) == 0.0
 
 
-def test_a_quick_check_tells_what_was_asked_with_few_configurations(space, belief, knowns):
-    candidates = draw_candidates(space, 150, np.random.default_rng(0))
-
-    found = quick_check(space, candidates, belief, [_wave(belief)], _LIMIT_MM, knowns)
+def test_a_quick_check_tells_what_was_asked_with_few_configurations(planned):
+    found = planned(150, seed=0)
 
     assert found.enough
     assert 1 <= len(found.nest) < 40
@@ -137,38 +142,27 @@ def test_a_quick_check_shows_what_was_asked_with_95_percent_and_no_fewer_configu
     assert (ncx2.sf(beyond, 2, _LIMIT_MM**2 * least) >= 0.95) == shows
 
 
-def test_a_larger_growth_needs_fewer_configurations(space, belief, knowns):
-    candidates = draw_candidates(space, 100, np.random.default_rng(2))
-
-    fine, coarse = (
-        quick_check(space, candidates, belief, [_wave(belief)], limit_mm, knowns) for limit_mm in (0.05, 0.2)
-    )
+def test_a_larger_growth_needs_fewer_configurations(planned):
+    fine, coarse = (planned(100, seed=2, limit_mm=limit_mm) for limit_mm in (0.05, 0.2))
 
     assert len(coarse.nest) < len(fine.nest)
 
 
-def test_what_cannot_be_told_is_said_not_to_be(space, belief, knowns):
-    candidates = draw_candidates(space, 20, np.random.default_rng(3))
-
-    found = quick_check(space, candidates, belief, [_wave(belief)], 1e-4, knowns)
-
-    assert not found.enough
+def test_what_cannot_be_told_is_said_not_to_be(planned):
+    assert not planned(20, seed=3, limit_mm=1e-4).enough
 
 
-def test_an_instruments_scale_is_no_part_of_a_quick_check(space, belief, knowns):
-    candidates = draw_candidates(space, 20, np.random.default_rng(2))
+def test_an_instruments_scale_is_no_part_of_a_quick_check(planned, belief):
     wave = _wave(belief)
     scale = replace(wave, directions=np.zeros_like(wave.directions))
 
     with pytest.raises(ConfigurationError, match="instrument's scale"):
-        quick_check(space, candidates, belief, [wave, scale], _LIMIT_MM, knowns)
+        planned(20, seed=2, causes=[wave, scale])
 
 
-def test_a_quick_check_of_nothing_is_refused(space, belief, knowns):
-    candidates = draw_candidates(space, 20, np.random.default_rng(2))
-
+def test_a_quick_check_of_nothing_is_refused(planned):
     with pytest.raises(ConfigurationError, match="at least one cause"):
-        quick_check(space, candidates, belief, [], _LIMIT_MM, knowns)
+        planned(20, seed=2, causes=[])
 
 
 def test_a_cause_that_moves_the_tool_by_rounding_alone_moves_nothing():

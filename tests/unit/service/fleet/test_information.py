@@ -3,21 +3,16 @@
 import numpy as np
 import pytest
 
-from tests.studies.fleet.simulated import campaign_of, draw_fleet
+from tests.helpers.fleet.recorded import recorded_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.fleet.campaigns import FleetCampaign, fleet_effects, fleet_of, information_of, with_gear_waves
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.problem.build import build
-from truepose_simulators.cell.environment import CellClock
-from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import RecordingRequest
 
 
 @pytest.fixture(scope="module")
 def campaign():
-    robot = draw_fleet(1, robots=2, ageing=0).robots[0]
-    cell = Cell(robot.scenario(0.0, 0.0), 1, CellClock(0))
-    return campaign_of(cell, RecordingRequest(configurations=30, validation=0, attachments=1))
+    return recorded_campaign(30)
 
 
 def test_with_its_priors_again_it_gives_what_was_identified(campaign):

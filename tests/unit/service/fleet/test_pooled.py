@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.fleet.linear import drawn
-from tests.studies.fleet.simulated import campaign_of, draw_fleet
+from tests.helpers.fleet.recorded import recorded_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.fleet.campaigns import effects_of_robot, information_of
 from truepose.fleet.changes import account_of
@@ -15,16 +15,11 @@ from truepose.identification import identify
 from truepose.identification.distributions import WITHIN_95
 from truepose.identification.problem.build import JointPrior
 from truepose.messages.catalogue import english
-from truepose_simulators.cell.environment import CellClock
-from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import RecordingRequest
 
 
 @pytest.fixture(scope="module")
 def campaign():
-    robot = draw_fleet(1, robots=2, ageing=0).robots[0]
-    cell = Cell(robot.scenario(0.0, 0.0), 1, CellClock(0))
-    return campaign_of(cell, RecordingRequest(configurations=15, validation=0, attachments=1))
+    return recorded_campaign(15)
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +27,14 @@ def told(campaign):
     return information_of(campaign, effects_of_robot(campaign))
 
 
+def _stated(specs):
+    """Return means and widths of parameters as they are stated of any robot."""
+    return (np.array([getattr(spec, name) for spec in specs]) for name in ("prior_mean", "prior_width"))
+
+
 def _belief(told, seed=0, size=0.02):
     rng = np.random.default_rng(seed)
-    widths = np.array([spec.prior_width for spec in told.specs])
-    means = np.array([spec.prior_mean for spec in told.specs])
+    means, widths = _stated(told.specs)
     root = size * rng.standard_normal((len(widths), len(widths)))
     covariance = (root @ root.T + 1e-3 * np.eye(len(widths))) * np.outer(widths, widths)
     return JointPrior(
@@ -59,8 +58,7 @@ def test_an_identification_with_a_belief_is_bayes_theorem(campaign, told):
 
 
 def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campaign, told):
-    widths = np.array([spec.prior_width for spec in told.specs])
-    means = np.array([spec.prior_mean for spec in told.specs])
+    means, widths = _stated(told.specs)
     vague = JointPrior(told.specs, told.owners, means, 4.0 * np.diag(widths**2))
 
     found = identify(campaign, believed=vague)
@@ -72,7 +70,7 @@ def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campai
 
 
 def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
-    widths = np.array([spec.prior_width for spec in told.specs])
+    _, widths = _stated(told.specs)
     found = np.linalg.solve(told.normal + np.diag(widths**-2.0), told.right)
     alike = JointPrior(told.specs, told.owners, found, np.diag((0.3 * widths) ** 2))
     unlike = replace(alike, mean=found + 3.0 * widths * (np.array(told.names) == "theta_3"))
@@ -96,7 +94,7 @@ def test_a_new_robot_is_believed_to_be_as_robots_of_its_type_are():
 
     belief = of_a_new_robot(account)
 
-    widths = np.array([spec.prior_width for spec in belief.specs])
+    _, widths = _stated(belief.specs)
     spread = np.sqrt(np.diag(belief.covariance)) / widths
     # Drawn with these; 60 robots tell a spread to a tenth, and its uncertainty is added.
     assert spread == pytest.approx([0.5, 0.2, 0.3], rel=0.4)
@@ -108,8 +106,7 @@ def test_what_a_few_robots_show_of_their_differences_is_not_taken_at_its_word():
     for seed in range(40, 55):
         belief = of_a_new_robot(account_of(drawn(seed, robots=2, months=2, readings=30, day=0.0).fleet()))
         common = np.random.default_rng(seed).standard_normal(3)  # as the type was drawn
-        widths = np.array([spec.prior_width for spec in belief.specs])
-        means = np.array([spec.prior_mean for spec in belief.specs])
+        means, widths = _stated(belief.specs)
         # A further robot lies about the type by what robots were drawn with.
         off = (belief.mean - means) / widths - common
         spread = np.sqrt(np.diag(belief.covariance)) / widths
