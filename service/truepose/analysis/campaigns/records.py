@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import date
 from typing import Any, Final, TypeAlias
 
@@ -146,11 +146,7 @@ class UploadDetails:
     def said(self) -> dict[str, str]:
         """What was said, as a summary has it."""
         day = None if self.measured_on is None else self.measured_on.isoformat()
-        named = {
-            "measured_on": day,
-            "robot_serial_number": self.robot_serial_number,
-            "instrument_serial_number": self.instrument_serial_number,
-        }
+        named = asdict(self) | {"measured_on": day}
         return {name: value for name, value in named.items() if value}
 
 
@@ -199,49 +195,37 @@ class CampaignService:
 
         The first one identifies; the second one judges, with a tracker, or in closed loops as the first.
         """
-        role = await self._check_roles(calibration_id, validation_id)
-        # A record that is not as it was written must not come back as a campaign that looks sound.
-        await self._sessions.require_intact(calibration_id)
-        if validation_id is not None:
-            await self._sessions.require_intact(validation_id)
-        calibration = await measured_session(self._sessions, self._readings, calibration_id)
-        validation = (
-            None
-            if validation_id is None
-            else await measured_session(self._sessions, self._readings, validation_id)
-        )
-        if role == "contacts":
-            campaign = await self._contacts(calibration_id, validation_id)
-        elif role == "ballbar":
-            campaign = await self._of_ballbar(calibration_id)
-            campaign = (
-                campaign if validation is None else with_validation_points(campaign, calibration, validation)
-            )
-        else:
-            # Off the loop: thousands of readings become arrays, and another session may be under way.
-            campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
-        packed = await asyncio.to_thread(pack, campaign)
+        roles = await self._check_roles(calibration_id, validation_id)
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
+        # A record that is not as it was written must not come back as a campaign that looks sound.
+        for number in numbers:
+            await self._sessions.require_intact(number)
+        campaign = await self._campaign_of(numbers, roles)
+        packed = await asyncio.to_thread(pack, campaign)
         stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), packed, session_ids=numbers)
         return await self._campaigns.add(stored, key)
 
-    async def _contacts(self, calibration_id: int, validation_id: int | None) -> Campaign:
-        """Return the campaign of a session of closed loops, judged by another, or by one with a tracker."""
-        if validation_id is None or (await self._sessions.get(validation_id)).role == "contacts":
-            return await self._of_contacts(calibration_id, validation_id)
-        campaign = await self._of_contacts(calibration_id, None)
-        measured = [
-            await measured_session(self._sessions, self._readings, number)
-            for number in (calibration_id, validation_id)
-        ]
-        return with_validation_points(campaign, *measured)
+    async def _campaign_of(self, numbers: tuple[int, ...], roles: tuple[SessionRole, ...]) -> Campaign:
+        """Return the campaign of a session, judged by another one where there are two."""
+        if roles == ("contacts", "contacts"):
+            return await self._of_contacts(*numbers)
+        measured = [await measured_session(self._sessions, self._readings, number) for number in numbers]
+        if roles[0] == "ballbar":
+            campaign = await self._of_ballbar(numbers[0])
+        elif roles[0] == "contacts":
+            campaign = await self._of_contacts(numbers[0], None)
+        else:
+            # Off the loop: thousands of readings become arrays, and another session may be under way.
+            return await asyncio.to_thread(assemble_campaign, *measured)
+        return campaign if len(measured) == 1 else with_validation_points(campaign, *measured)
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip of a campaign folder, as it came or else written now; raises NotFoundError."""
         uploaded = await self._campaigns.archive(campaign_id)
         return uploaded or await asyncio.to_thread(_zipped, await self._campaigns.content(campaign_id))
 
-    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> SessionRole:
+    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> tuple[SessionRole, ...]:
+        """Return the roles of one or two sessions; raises RoleError where they make no campaign."""
         # A calibration session may judge another one's model; what was kept for validation never identifies.
         role = (await self._sessions.get(calibration_id)).role
         if role == "validation":
@@ -249,14 +233,14 @@ class CampaignService:
         if calibration_id == validation_id:
             raise RoleError(message("refused.judges_itself", session=calibration_id))
         if validation_id is None:
-            return role
+            return (role,)
         judging = (await self._sessions.get(validation_id)).role
         if judging == "contacts" and role != "contacts":
             raise RoleError(message("refused.contacts_validate_contacts", session=validation_id))
         # No other session knows where the seats of that ballbar were, from which its lengths count.
         if judging == "ballbar":
             raise RoleError(message("refused.ballbar_never_validates", session=validation_id))
-        return role
+        return role, judging
 
 
 def _zipped(content: bytes) -> bytes:
