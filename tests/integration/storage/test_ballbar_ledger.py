@@ -1,15 +1,17 @@
 """The ledger of a ballbar session: appended once, on disk when its number is known."""
 
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
 from sqlalchemy import text
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
-from tests.helpers.domain.tracker_sessions import make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
+from truepose.storage.engine.reading import open_reader
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.ledger.entries import LedgerRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -39,6 +41,17 @@ async def test_a_ballbar_session_comes_back_as_it_was_planned(sessions, session_
     assert (record.measured, record.skipped) == (0, 0)
     assert await sessions.ballbar_plan(session_id) == make_ballbar_plan()
     assert await sessions.setup(session_id) == make_setup()
+
+
+async def test_sessions_of_both_kinds_share_their_numbers(sessions, session_id):
+    other = await sessions.add("second", make_setup(), make_plan(3))
+
+    listed = await sessions.page(Page())
+
+    assert [(record.id, record.role, record.planned) for record in listed] == [
+        (session_id, "ballbar", 2),
+        (other, "calibration", 3),
+    ]
 
 
 async def test_an_entry_comes_back_as_it_was_written(ledger, session_id):
@@ -91,6 +104,14 @@ async def test_pages_follow_the_numbers(ledger, session_id):
     page = await ledger.page(session_id, Page(after=numbers[0], limit=1))
 
     assert [record.id for record in page] == [numbers[1]]
+
+
+async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, session_id, database):
+    number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
+
+    # Another connection sees committed transactions only.
+    with closing(open_reader(database.backend.url)) as other:
+        assert other.execute("SELECT id FROM session_entries").fetchall() == [(number,)]
 
 
 @pytest.mark.parametrize("table", ["session_entries", "act_answers"])
@@ -149,3 +170,12 @@ async def test_a_state_is_entered_with_the_entry_that_says_so(ledger, sessions, 
     record = await sessions.get(session_id)
     assert (record.state, record.reason, record.person) == (SessionState.RUNNING, "started", "Ada")
     assert await ledger.newest(session_id) == 1
+
+
+async def test_a_reason_that_begins_like_a_state_is_none(ledger, session_id):
+    kept = LedgerEntry("tool/detach", EntryKind.SKIPPED, 5.0, text="paused: nobody was there")
+    await ledger.append(session_id, kept)
+
+    (record,) = await ledger.whole(session_id)
+
+    assert record.entry == kept

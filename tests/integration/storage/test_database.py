@@ -20,6 +20,7 @@ from truepose.storage.errors import (
     NewerSchemaError,
     StorageUnavailableError,
 )
+from truepose.storage.tables import metadata
 
 WRITES_UNTIL_KILLED = textwrap.dedent("""
     import asyncio, sys
@@ -91,6 +92,26 @@ async def test_a_failing_transaction_leaves_nothing(database):
 def test_a_second_service_on_the_same_database_is_refused(database, database_url):
     with pytest.raises(DatabaseInUseError, match="in use by another truepose service; stop that one"):
         Database(database_url)
+
+
+def test_a_second_service_in_another_process_is_refused(database, database_url):
+    script = f"from truepose.storage.database import Database; Database({database_url!r})"
+
+    second = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+
+    assert "DatabaseInUseError" in second.stderr
+
+
+def test_a_database_let_go_can_be_opened_again(database_url):
+    first, second = (_opened_and_closed(database_url) for _ in range(2))
+
+    assert first == second == newest_revision()
+
+
+def _opened_and_closed(url):
+    database = Database(url)
+    database.close()
+    return database.schema
 
 
 def test_a_newer_schema_is_refused_with_a_sentence(database_url):
@@ -166,6 +187,19 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
 
     with pytest.raises(StorageUnavailableError, match="cannot be written"):
         Database(f"sqlite:///{tmp_path}/file/truepose.sqlite3")
+
+
+@pytest.mark.engine("sqlite")
+def test_every_table_is_append_only(database):
+    with LIBRARY.connect(database.file) as connection:
+        triggers = {
+            name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type='trigger'")
+        }
+    connection.close()
+
+    assert triggers == {
+        f"{table}_no_{action}" for table in metadata.tables for action in ("update", "delete")
+    }
 
 
 def test_a_database_of_the_newest_schema_is_opened_without_migrations(database_url, monkeypatch):
