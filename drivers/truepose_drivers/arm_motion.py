@@ -6,9 +6,10 @@ motion: they come from a channel that tells what was, and prove nothing.
 """
 
 import asyncio
+import contextlib
 import math
 import sys
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Protocol, TypeAlias, TypeVar
 
@@ -22,6 +23,7 @@ from truepose_drivers.api import (
 from truepose_drivers.arm_options import Angles
 from truepose_drivers.errors import (
     ConfigurationError,
+    ConnectionLostError,
     DriverError,
     LinkError,
     NoReplyError,
@@ -63,6 +65,30 @@ def farthest_off(stands: Sequence[float], target: Sequence[float]) -> float:
 def degrees_text(angles_deg: Sequence[float]) -> str:
     """Return angles as a sentence has them."""
     return ", ".join(f"{angle:.3f}" for angle in angles_deg)
+
+
+def target_refused(target_deg: Sequence[float], rest: str = "") -> TargetRefusedError:
+    """Return the error of a robot that does not take a target; `rest` says why, or what to do."""
+    return TargetRefusedError(f"the robot refused the joint target ({degrees_text(target_deg)}) deg{rest}")
+
+
+def stopped_unheard(silence_s: float) -> ConnectionLostError:
+    """Return the error of a program that stopped the arm because nobody was heard for so long [s]."""
+    return ConnectionLostError(
+        f"the robot stopped on its way, having heard nothing for {silence_s:g} s: check the network, then"
+        " confirm before anything moves"
+    )
+
+
+@contextlib.contextmanager
+def motion_awaited(advice: str, why_it_hangs_up: str = "") -> Iterator[None]:
+    """Say of a link that is lost here that it was during a motion, and with `advice` what to do."""
+    try:
+        yield
+    except NoReplyError as error:
+        raise NoReplyError(f"the robot did not report the end of its motion: {advice}") from error
+    except ConnectionLostError as error:
+        raise ConnectionLostError(f"the robot hung up during a motion{why_it_hangs_up}: {advice}") from error
 
 
 _LOOK_EVERY_S: Final = 0.5  # wall time, as all here

@@ -29,9 +29,10 @@ from truepose_drivers.arm import Arm
 from truepose_drivers.arm_motion import (
     CommandedMotion,
     answered_unless_it_stands,
-    degrees_text,
+    motion_awaited,
     require_speeds,
     require_target,
+    target_refused,
 )
 from truepose_drivers.errors import (
     ConnectionLostError,
@@ -217,24 +218,12 @@ class OpenAbbRobot(Arm):
             await log.close()
 
     async def _moved(self, request: bytes, target_rad: tuple[float, ...]) -> None:
+        unheard = f", as it does after {protocol.SILENCE_S:g} s in which it heard nothing"
         try:
-            await self._ask(request, protocol.Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
-        except NoReplyError as error:
-            raise NoReplyError(
-                f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
-            ) from error
-        except ConnectionLostError as error:
-            why = (
-                f", as it does after {protocol.SILENCE_S:g} s in which it heard nothing"
-                if self._watching
-                else ""
-            )
-            raise ConnectionLostError(
-                f"the robot hung up during a motion{why}: {_LOOK_AT_PENDANT}"
-            ) from error
+            with motion_awaited(_LOOK_AT_PENDANT, unheard if self._watching else ""):
+                await self._ask(request, protocol.Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
         except DeviceRefusedError as error:
-            refused = degrees_text([math.degrees(angle) for angle in target_rad])
-            raise TargetRefusedError(f"the robot refused the joint target ({refused}) deg") from error
+            raise target_refused(_in_degrees(target_rad)) from error
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; stock servers round to 0.01 deg."""

@@ -9,10 +9,9 @@ from typing import Final
 from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.conversation import RwsSession
 from truepose_drivers.api import Clock, JointReading
-from truepose_drivers.arm_motion import degrees_text, farthest_off
+from truepose_drivers.arm_motion import farthest_off, stopped_unheard, target_refused
 from truepose_drivers.errors import (
     BusyError,
-    ConnectionLostError,
     DeviceRefusedError,
     NoReplyError,
     NotInitialisedError,
@@ -209,18 +208,12 @@ def _has_arrived(report: protocol.Report, order: protocol.Order) -> bool:
             "somebody else gave the robot an order: see that one program alone moves it, then connect again"
         )
     if report.progress is protocol.Progress.GIVEN_UP:
-        raise ConnectionLostError(
-            f"the robot stopped on its way, having heard nothing for {protocol.SILENCE_S:g} s: check the"
-            " network, then confirm before anything moves"
-        )
+        raise stopped_unheard(protocol.SILENCE_S)
     return report.progress is protocol.Progress.ARRIVED
 
 
 def _refused(order: protocol.Order, said: str) -> TargetRefusedError:
-    return TargetRefusedError(
-        f"the robot refused the joint target ({degrees_text(order.target_deg)}) deg{_quoted(said)}:"
-        " look at the pendant"
-    )
+    return target_refused(order.target_deg, f"{_quoted(said)}: look at the pendant")
 
 
 def _quoted(said: str) -> str:

@@ -20,16 +20,14 @@ from truepose_drivers.arm_motion import (
     ARRIVED_DEG,
     CommandedMotion,
     answered_unless_it_stands,
-    degrees_text,
+    motion_awaited,
+    target_refused,
 )
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
-    ConnectionLostError,
     DeviceRefusedError,
     DriverError,
     LinkError,
-    NoReplyError,
-    TargetRefusedError,
 )
 from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.fanuc_mappdk.conversation import Dialogue
@@ -148,10 +146,7 @@ class MappdkRobot(CountedArm):
             self._moved(request, timeout_s), self._joints_under_way, course, _LOOK_AT_PENDANT
         )
         if reply.code != protocol.ReplyCode.OK:
-            raise TargetRefusedError(
-                f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
-                f" as its pendant counts them: {reply.message}"
-            )
+            raise target_refused(target_deg, f", as its pendant counts them: {reply.message}")
 
     def _dialogue(self, link: Link) -> Dialogue:
         times = self._time_outs
@@ -210,17 +205,9 @@ class MappdkRobot(CountedArm):
         self._watching = True
 
     async def _moved(self, request: bytes, timeout_s: float) -> protocol.Reply:
-        try:
+        unheard = f" or after {protocol.SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+        with motion_awaited(_LOOK_AT_PENDANT, f", as it does at a fault{unheard}"):
             return await self._motion.ask(request, "success", timeout_s, beats=self._watching)
-        except NoReplyError as error:
-            raise NoReplyError(
-                f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
-            ) from error
-        except ConnectionLostError as error:
-            why = f" or after {protocol.SILENCE_S:g} s in which it heard nothing" if self._watching else ""
-            raise ConnectionLostError(
-                f"the robot hung up during a motion, as it does at a fault{why}: {_LOOK_AT_PENDANT}"
-            ) from error
 
     def _request(self, start_deg: Angles, target_deg: Angles) -> tuple[bytes, float]:
         """Return the request of a motion within the limits, and how long it takes without override [s]."""

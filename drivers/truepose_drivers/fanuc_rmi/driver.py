@@ -18,13 +18,12 @@ from truepose_drivers.api import (
     Options,
 )
 from truepose_drivers.arm import CountedArm
-from truepose_drivers.arm_motion import degrees_text
+from truepose_drivers.arm_motion import target_refused
 from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
     DeviceRefusedError,
     NoReplyError,
     NotInitialisedError,
-    TargetRefusedError,
 )
 from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.conversation import Exchanges, Handover
@@ -248,10 +247,7 @@ class RmiRobot(CountedArm):
     async def _refusal(self, error: int, target_deg: Angles) -> DeviceRefusedError:
         why = f"{protocol.in_words(error)}{await self._shown_errors()}"
         if protocol.is_of_target(error):
-            return TargetRefusedError(
-                f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
-                f" as its pendant counts them: {why}"
-            )
+            return target_refused(target_deg, f", as its pendant counts them: {why}")
         return NotInitialisedError(
             f"the robot broke off its motion: {why}; look at the pendant, then confirm"
         )

@@ -9,10 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from truepose_drivers.arm_motion import farthest_off
+from truepose_drivers.arm_motion import farthest_off, stopped_unheard
 from truepose_drivers.arm_options import Angles
 from truepose_drivers.errors import (
-    ConnectionLostError,
     DeviceRefusedError,
     DriverError,
     NoReplyError,
@@ -173,10 +172,7 @@ class Program:
         if state.refused == number:
             raise TargetRefusedError("the robot refused it as out of the ranges of its axes")
         if state.given_up == number:
-            raise ConnectionLostError(
-                f"the robot stopped on its way, having heard nothing for {protocol.SILENCE_S:g} s: check the"
-                " network, then confirm before anything moves"
-            )
+            raise stopped_unheard(protocol.SILENCE_S)
         if state.begun != number and since_s > _BEGINS_WITHIN_S:
             raise NotInitialisedError(f"the robot did not begin the motion: {_START}")
         if state.arrived != number:

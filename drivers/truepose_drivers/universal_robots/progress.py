@@ -2,13 +2,11 @@
 
 import math
 
-from truepose_drivers.arm_motion import degrees_text, farthest_off
+from truepose_drivers.arm_motion import farthest_off, stopped_unheard, target_refused
 from truepose_drivers.errors import (
-    ConnectionLostError,
     DeviceRefusedError,
     NoReplyError,
     NotInitialisedError,
-    TargetRefusedError,
 )
 from truepose_drivers.universal_robots.script import SILENCE_S, Order, RobotState, obstacle
 
@@ -60,10 +58,7 @@ class Progress:
         if what is not None:
             raise NotInitialisedError(f"the robot stopped on its way: {what}; then confirm")
         if state.given_up == self._order.number:
-            raise ConnectionLostError(
-                f"the robot stopped on its way, having heard nothing for {SILENCE_S:g} s: check the network,"
-                " then confirm before anything moves"
-            )
+            raise stopped_unheard(SILENCE_S)
 
     def _note(self, state: RobotState, now_s: float) -> None:
         self._begun = self._begun or state.begun == self._order.number
@@ -88,11 +83,8 @@ class Progress:
     def _broken_off(self, state: RobotState, said: str) -> DeviceRefusedError:
         # The state does not say why a program ended; but an arm that never moved was refused its target.
         if farthest_off(state.joints_rad, self._before.joints_rad) <= STANDING_RAD:
-            refused = degrees_text([math.degrees(angle) for angle in self._order.target_rad])
-            return TargetRefusedError(
-                f"the robot refused the joint target ({refused}) deg: look at the pendant for the"
-                f" reason{_quoted(said)}"
-            )
+            target_deg = [math.degrees(angle) for angle in self._order.target_rad]
+            return target_refused(target_deg, f": look at the pendant for the reason{_quoted(said)}")
         return NotInitialisedError(
             f"the motion was broken off on its way: look at the pendant for the reason{_quoted(said)}, then"
             " confirm"
