@@ -11,7 +11,7 @@ import logging
 import re
 from collections.abc import AsyncIterator, Collection
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from truepose.domain.people import MACHINE, OF_PROGRAMS, Person, Role, lesser, reaches
 from truepose.messages.message import message
@@ -140,19 +140,22 @@ class Accounts:
         return await self._entered(name, role, MACHINE)
 
     async def _entered(self, name: str, role: Role, by: str) -> tuple[Person, str]:
-        secret, link = self._new_link(None, by)
+        secret, link = self._made(CredentialKind.LINK, None, LINK_DAYS, {"by": by})
         return await self.register.enter(name, role, by, link), secret
 
     async def link(self, person: Person, by: str) -> str:
         """Return the secret of a link that lets somebody choose a password, once."""
-        secret, link = self._new_link(person, by)
+        secret, link = self._made(CredentialKind.LINK, person, LINK_DAYS, {"by": by})
         await self.register.put(person, [link], by=by)
         return secret
 
-    def _new_link(self, person: Person | None, by: str) -> tuple[str, NewCredential]:
-        secret, until = new_secret(), self.register.time.in_future(LINK_DAYS)
+    def _made(
+        self, kind: CredentialKind, person: Person | None, days: float, document: dict[str, Any]
+    ) -> tuple[str, NewCredential]:
+        """Return a random secret, and what is kept of it for so many days."""
+        secret, until = new_secret(), self.register.time.in_future(days)
         number = None if person is None else person.id
-        return secret, NewCredential(CredentialKind.LINK, number, fingerprint(secret), until, {"by": by})
+        return secret, NewCredential(kind, number, fingerprint(secret), until, document)
 
     def invited(self, secret: str) -> Person | None:
         """Return whom a link is for; None where it was used or has expired."""
@@ -211,19 +214,14 @@ class Accounts:
             raise AccountRefusedError(
                 message("people.token_role", person=person.name, role=person.role.value)
             )
-        secret = new_secret()
-        until = self.register.time.in_future(days)
         document = {"name": name, "role": role.value, "by": by}
-        kept = NewCredential(CredentialKind.TOKEN, person.id, fingerprint(secret), until, document)
+        secret, kept = self._made(CredentialKind.TOKEN, person, days, document)
         return await self.register.keep(kept), secret
 
     async def make_watch_link(self, session_id: int, days: float, by: Caller) -> tuple[CredentialRecord, str]:
         """Return what lets whoever has it look at one session, and its secret, which is shown once."""
-        secret = new_secret()
-        until = self.register.time.in_future(days)
         document = {"session_id": session_id, "by": by.name}
-        person = None if by.person is None else by.person.id
-        kept = NewCredential(CredentialKind.WATCH, person, fingerprint(secret), until, document)
+        secret, kept = self._made(CredentialKind.WATCH, by.person, days, document)
         return await self.register.keep(kept), secret
 
     def watched_by(self, secret: str) -> CredentialRecord | None:

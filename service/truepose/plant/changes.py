@@ -144,21 +144,18 @@ def _of_causes(before: ResultFacts | None, now: ResultFacts) -> Iterator[Recorde
     of: dict[str, Value] = {"number": now.record_id, "day": now.measured_on}
     named = tuple(_cause_said(cause) for key, cause in found.items() if key not in known)
     gone = tuple(_cause_said(cause) for key, cause in known.items() if key not in found)
-    if before is None:
-        if named:
-            yield RecordedChange(
-                ChangeKind.CAUSE_NAMED, message("plant.changed.causes.first", **of, causes=named), now
-            )
-        return
-    of["day_before"] = before.measured_on
+    if before is not None:
+        of["day_before"] = before.measured_on
     if named:
-        yield RecordedChange(
-            ChangeKind.CAUSE_NAMED, message("plant.changed.causes.named", **of, causes=named), now
+        sentence = message(
+            "plant.changed.causes.first" if before is None else "plant.changed.causes.named",
+            **of,
+            causes=named,
         )
+        yield RecordedChange(ChangeKind.CAUSE_NAMED, sentence, now)
     if gone:
-        yield RecordedChange(
-            ChangeKind.CAUSE_GONE, message("plant.changed.causes.gone", **of, causes=gone), now
-        )
+        sentence = message("plant.changed.causes.gone", **of, causes=gone)
+        yield RecordedChange(ChangeKind.CAUSE_GONE, sentence, now)
 
 
 def _causes(found: ResultFacts) -> dict[tuple[str, str], _Cause]:

@@ -1,9 +1,9 @@
 """Closing a session as calibrated: on certificates that hold, or by a named person for a stated reason."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from typing import Final, Protocol
+from typing import Any, Final
 
 from truepose.domain.cell import Artefact, Cell, Closing, DeviceEntry, JudgedPaper, Paper, judged_papers
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState
@@ -13,6 +13,7 @@ from truepose.sessions.devices import DeviceRegistry
 from truepose.sessions.engine.identity_check import same_number
 from truepose.sessions.engine.states import has_ended
 from truepose.sessions.errors import CertificateError
+from truepose.sessions.kinds import SessionKind
 from truepose.storage.errors import ConflictError
 from truepose.storage.ledger.added_stops import ClosingRepository
 from truepose.storage.ledger.sessions import SessionRepository
@@ -98,39 +99,26 @@ def _artefacts(cell: Cell, *, by_bar: bool) -> Iterator[Artefact]:
         yield cell.world
 
 
-class MeasuringKind(Protocol):
-    """What a kind of session says of what its readings rest on."""
-
-    by_calibrator: bool  # lengths that count from the ballbar's calibrator
-
-
+@dataclass(frozen=True, slots=True)
 class ClosingService:
     """Closes sessions; the records say what each was closed as."""
 
-    def __init__(
-        self,
-        sessions: SessionRepository,
-        closings: ClosingRepository,
-        rack: DeviceRegistry,
-        present: CurrentCell,
-        kind_of: Callable[[SessionRecord], MeasuringKind],
-    ) -> None:
-        self._kind_of = kind_of
-        self._sessions = sessions
-        self._closings = closings
-        self._rack = rack
-        self._present = present
+    sessions: SessionRepository
+    closings: ClosingRepository
+    rack: DeviceRegistry
+    present: CurrentCell
+    kind_of: Callable[[SessionRecord], SessionKind[Any]]
 
     async def certificates(self, session_id: int) -> tuple[JudgedPaper, ...]:
         """Return what the readings rest on, as of the day on which the session ended; raises NotFoundError.
 
         Of one under way it is the day on which it came to the state that it is in.
         """
-        record = await self._sessions.get(session_id)
-        cell = (await self._sessions.setup(session_id)).cell
-        identities = await self._sessions.identities(session_id)
-        by_bar = self._kind_of(record).by_calibrator
-        papers = papers_of_session(cell, identities, self._rack.used, by_bar=by_bar)
+        record = await self.sessions.get(session_id)
+        cell = (await self.sessions.setup(session_id)).cell
+        identities = await self.sessions.identities(session_id)
+        by_bar = self.kind_of(record).by_calibrator
+        papers = papers_of_session(cell, identities, self.rack.used, by_bar=by_bar)
         return judged_papers(papers, _last_day(record))
 
     async def close(self, wanted: Closing) -> Closing:
@@ -145,15 +133,15 @@ class ClosingService:
             One did not hold when the readings were taken, and no reason is given.
         PersonUnknownError, PersonUnreadableError
         """
-        record = await self._sessions.get(wanted.session_id)
-        person = self._present.require_person(wanted.person)
+        record = await self.sessions.get(wanted.session_id)
+        person = self.present.require_person(wanted.person)
         _require_end(record, wanted)
         # Kept with the closing, which then says by itself on what it rested.
         papers = await self.certificates(record.id)
         closing = replace(wanted, person=person, reason=wanted.reason.strip(), certificates=papers)
         if closing.overridden and not closing.reason:
             raise CertificateError(_refusal(closing.overridden))
-        return await self._closings.keep(closing)
+        return await self.closings.keep(closing)
 
 
 def _require_end(record: SessionRecord, wanted: Closing) -> None:

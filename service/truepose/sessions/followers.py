@@ -4,7 +4,9 @@ import asyncio
 import contextlib
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Any
+
+from truepose.sessions.engine.runner import SessionRunner
 
 
 class TabletCounter:
@@ -43,15 +45,7 @@ class TabletCounter:
             self.tell()
 
 
-class Versioned(Protocol):
-    """What is under way, and counts its changes."""
-
-    async def changed(self, after: int) -> int:
-        """Return the version once it is above `after`."""
-        ...
-
-
-async def change(news: asyncio.Event, runner: Versioned | None, version: int | None) -> None:
+async def change(news: asyncio.Event, runner: SessionRunner[Any] | None, version: int | None) -> None:
     """Return once there are news, or what is under way is no longer at this version."""
     waits: list[asyncio.Future[Any]] = [asyncio.ensure_future(news.wait())]
     if runner is not None and version is not None:

@@ -98,7 +98,14 @@ async def run(scenario, plan, seed=2):
     )
     robot = OpenAbbRobot(link(robot_endpoint(cell, MotionProgram(cell))), clock)
     ledger = ListLedger()
-    runner = ContactRunner(plan, ContactCell(boxes, robot, clock, LR_MATE.robot, nothing_in_the_way), ledger)
+    known = ContactCell(
+        gauges=boxes,
+        robot_controller=robot,
+        clock=clock,
+        robot=LR_MATE.robot,
+        look_at_ways=nothing_in_the_way,
+    )
+    runner = ContactRunner(plan, known, ledger)
     state = await PatientOperator(30, look_s=0.01).attend_from_the_start(runner)
     for device in (robot, clock, *(box.gauge for box in boxes)):
         await device.close()

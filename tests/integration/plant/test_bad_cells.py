@@ -272,6 +272,13 @@ async def test_how_far_a_cell_was_collected_that_nobody_entered_is_not_known(pla
         await plant.journal.reached("nobody")
 
 
+async def waiting(plant, *names):
+    """Have plans of these names wait for a cell, and return their numbers."""
+    await plant.journal.enter("left arm")
+    plans = [HandDown("left arm", HandDownKind.PLAN, name, "Ada", {}) for name in names]
+    return [await plant.hand_downs.add(plan) for plan in plans]
+
+
 def problem(status, kind="", **more):
     return httpx.Response(status, json={"type": f"urn:truepose:problem:{kind}", "detail": "No.", **more})
 
@@ -295,24 +302,19 @@ async def test_what_passes_keeps_a_hand_down_waiting_and_collecting_goes_on(plan
         is_first = json.loads(request.content)["name"] == "first"
         return answer if is_first else httpx.Response(201, json={"id": 7})
 
-    await plant.journal.enter("left arm")
-    waiting, behind = [
-        await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, name, "Ada", {}))
-        for name in ("first", "second")
-    ]
+    first, behind = await waiting(plant, "first", "second")
 
     found = await plant.visit(None, transport=cell_with(1, first_not))
 
     assert (found.outcome, found.collected) == (Outcome.WHOLE, 1)
-    assert found.sentence.startswith(f"All is collected, and hand-down {waiting} waits: left arm does not")
-    states = [(await plant.hand_downs.get(number)).state for number in (waiting, behind)]
+    assert found.sentence.startswith(f"All is collected, and hand-down {first} waits: left arm does not")
+    states = [(await plant.hand_downs.get(number)).state for number in (first, behind)]
     assert states == [HandDownState.WAITING, HandDownState.DELIVERED]
 
 
 @pytest.mark.parametrize("status", [400, 409, 413, 422])
 async def test_what_a_cell_itself_cannot_take_is_refused_with_its_sentence(plant, status):
-    await plant.journal.enter("left arm")
-    number = await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, "monthly", "Ada", {}))
+    (number,) = await waiting(plant, "monthly")
 
     found = await plant.visit(None, transport=cell_with(0, lambda request: problem(status)))
 
@@ -341,9 +343,7 @@ async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_wai
         asked_for.append(request)
         raise httpx.ConnectError("no route to host", request=request)
 
-    await plant.journal.enter("left arm")
-    for name in ("first", "second"):
-        await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, name, "Ada", {}))
+    await waiting(plant, "first", "second")
 
     found = await plant.visit(None, transport=cell_with(1, silent))
 

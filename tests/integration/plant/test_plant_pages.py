@@ -83,29 +83,25 @@ def identification(serial, number, days_ago, figure_mm, known_days_ago=0):
     return plant_told, {"branch_id": 1, **of, **told, **when}
 
 
-def changed(page):
-    """Return serial number, what changed, and where each sentence leads, of the robots that changed."""
-    part = page.partition("<h2>Changes since ")[2].partition("<h2>")[0]
-    rows = re.findall(
-        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Change">(.*?)</td>',
-        part,
-        re.S,
-    )
+def under(page, heading, label):
+    """Return serial number, words of a column, and where they lead, of each robot under a heading."""
+    part = page.partition(f"<h2>{heading}")[2].partition("<h2>")[0]
+    of_robot = r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?'
+    rows = re.findall(rf'{of_robot}data-label="{label}">(.*?)</td>', part, re.S)
     return [
         (serial, re.sub("<[^>]+>", "", told).strip(), re.findall('href="([^"]+)"', told))
         for serial, told in rows
     ]
 
 
+def changed(page):
+    """Return serial number, what changed, and where each sentence leads, of the robots that changed."""
+    return under(page, "Changes since ", "Change")
+
+
 def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
-    part = page.partition("<h2>Measure next</h2>")[2].partition("<h2>")[0]
-    rows = re.findall(
-        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Reason">(.*?)</td>',
-        part,
-        re.S,
-    )
-    return [(serial, re.sub("<[^>]+>", "", reasons).strip()) for serial, reasons in rows]
+    return [(serial, reason) for serial, reason, _ in under(page, "Measure next</h2>", "Reason")]
 
 
 async def page(service, path, language="en"):

@@ -71,25 +71,18 @@ async def test_directions_and_joints_are_kept_as_the_robot_reports_them():
 async def test_a_tracker_blinded_after_the_registration_pauses_at_the_first_configuration():
     async with bench(SCENARIO, seed=13) as opened:
         operator = PatientOperator(patience=1, look_s=LOOK_S)
-        registered = opened.journal.registered
 
-        async def blind_from_now_on(registration):
-            await registered(registration)
-            await opened.ask(op="fault", kind="tracker_blinded", from_s=await opened.clock.now_s() + 60.0)
-            await opened.clock.sleep(0.0)
-
-        plan = plan_validation(opened.space, 6, seed=2)
-        opened.journal.registered = blind_from_now_on
-        note = opened.journal.fixed_nest_taken
-
-        async def wait_for_the_blinding(reading):
-            if reading.phase == "reference" and reading.fixed_nest == 3:
+        async def blind_after_the_first_look(entry):
+            if entry.registration is not None:
+                blinded_s = await opened.clock.now_s() + 60.0
+                await opened.ask(op="fault", kind="tracker_blinded", from_s=blinded_s)
+            read = entry.fixed_nest
+            if read is not None and (read.phase, read.fixed_nest) == ("reference", 3):
                 await opened.clock.sleep(60.0)
-            return await note(reading)
 
-        opened.journal.fixed_nest_taken = wait_for_the_blinding
+        opened.journal.before = blind_after_the_first_look
 
-        ended = await run(opened, plan, operator)
+        ended = await run(opened, plan_validation(opened.space, 6, seed=2), operator)
 
     assert ended is SessionState.ABORTED
     assert opened.journal.points == []
@@ -114,14 +107,12 @@ async def test_a_reflector_left_out_of_its_nest_skips_the_configurations_that_ne
 async def test_a_fixed_nest_that_is_knocked_pauses_the_session():
     async with bench(SCENARIO, seed=17) as opened:
         operator = PatientOperator(patience=1, look_s=LOOK_S)
-        point_taken = opened.journal.point_taken
 
-        async def knock_after_the_fifth(point):
-            if point.config == 5:
+        async def knock_after_the_fifth(entry):
+            if entry.point is not None and entry.point.config == 5:
                 await opened.ask(op="fault", kind="fixed_nest_moved", nest=2, by_mm=[0.3, 0.0, 0.0])
-            return await point_taken(point)
 
-        opened.journal.point_taken = knock_after_the_fifth
+        opened.journal.before = knock_after_the_fifth
 
         ended = await run(opened, plan_validation(opened.space, 15, seed=6), operator)
 

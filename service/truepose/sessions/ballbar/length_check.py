@@ -5,9 +5,9 @@ the zeros: those of the same bars differ by how far the magnets' snaps let them 
 much bars are off their nominal length.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final
 
 from truepose.domain.ballbar import (
     BallbarStep,
@@ -21,6 +21,7 @@ from truepose.domain.ballbar import (
 from truepose.domain.cell import BallbarKit
 from truepose.domain.errors import ConfigurationError
 from truepose.sessions.ballbar import step_ids
+from truepose.sessions.ballbar.early_length_check import EarlyJudge
 from truepose.sessions.ballbar.readings import bars_of
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.state import Answer
@@ -91,60 +92,13 @@ def _suspicion(
     return Suspicion(kind, step.points or NO_PAIR, suspected, length_mm, step.expected_mm)
 
 
-class JudgeLeg(Protocol):
-    """Looks at one length; see truepose.validation.connection_check."""
-
-    def __call__(
-        self,
-        asked: Leg,
-        length_mm: float,
-        earlier: Mapping[Leg, float],
-        forecast: PoseForecast | None,
-        *,
-        reading_u_mm: float,
-        zero_u_mm: float,
-        nominal_mm: float,
-        range_mm: float,
-    ) -> Suspicion | None:
-        """Return why the length does not go with the pair; None where nothing speaks against it."""
-        ...
-
-
-class JudgePose(Protocol):
-    """Looks at all lengths of a pose; see truepose.validation.connection_check."""
-
-    def __call__(
-        self,
-        lengths: Mapping[Leg, float],
-        forecast: PoseForecast,
-        *,
-        reading_u_mm: float,
-        zero_u_mm: float,
-        range_mm: float,
-    ) -> tuple[Suspicion, ...]:
-        """Return which legs seem to be exchanged."""
-        ...
-
-
-class JudgeEarly(Protocol):
-    """Looks at one length where none is foreseen yet; see truepose.sessions.ballbar.early_length_check."""
-
-    def doubt(self, taken: LengthTaken, now: Situation, step: BallbarStep) -> Suspicion | None:
-        """Return why the length does not go with what the step asks for; None where it does."""
-        ...
-
-    def alike(self, now: Situation) -> tuple[tuple[Leg, Leg], ...]:
-        """Return the pairs of legs of the present pose whose exchange would not show."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class Judges:
     """Who judges lengths."""
 
-    leg: JudgeLeg = judge_leg
-    pose: JudgePose = judge_pose
-    early: JudgeEarly | None = None  # None: before a pre-calibration only a pair read twice is seen
+    leg: Callable[..., Suspicion | None] = judge_leg  # one length
+    pose: Callable[..., tuple[Suspicion, ...]] = judge_pose  # all lengths of a pose
+    early: EarlyJudge | None = None  # None: before a pre-calibration only a pair read twice is seen
 
 
 def doubt(

@@ -20,6 +20,7 @@ clear, a shortcut was not.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Final
 
@@ -99,48 +100,30 @@ def sides(n_points: int) -> tuple[tuple[int, int], ...]:
 
 def _triangle(group: str, kit: BallbarKit, artefact: BarSet, place: int | None) -> Iterator[BallbarStep]:
     bars, n_points = (kit.tool_bars, 3) if artefact == "tool" else (kit.base_bars, kit.base_points)
-    initialise = step_ids.initialise(group)
-    yield BallbarStep(
-        initialise, StepKind.INITIALISE, place, artefact=artefact, expected_mm=bars.calibrator_mm
-    )
+    reading = partial(BallbarStep, placement=place, artefact=artefact)
+    yield reading(step_ids.initialise(group), StepKind.INITIALISE, expected_mm=bars.calibrator_mm)
     for points in sides(n_points):
-        yield BallbarStep(
-            step_ids.side(group, points),
-            StepKind.MEASURE_SIDE,
-            place,
-            artefact=artefact,
-            points=points,
-            expected_mm=bars.nominal_mm,
-        )
+        side = step_ids.side(group, points)
+        yield reading(side, StepKind.MEASURE_SIDE, points=points, expected_mm=bars.nominal_mm)
     yield BallbarStep(step_ids.detach(group), StepKind.DETACH, place)
 
 
 def _opening(placement: PlannedPlacement) -> Iterator[BallbarStep]:
     number = placement.number
     place = step_ids.placement(number)
-    yield BallbarStep(f"{place}/place", StepKind.PLACE_BASE, number)
-    yield BallbarStep(step_ids.ball(place), StepKind.FIT_BALL, number)
+    step = partial(BallbarStep, placement=number)
+    yield step(f"{place}/place", StepKind.PLACE_BASE)
+    yield step(step_ids.ball(place), StepKind.FIT_BALL)
     for setup in placement.setups:
-        group, point = step_ids.cup(place, setup.base_point), setup.base_point
-        yield BallbarStep(
-            step_ids.move(group),
-            StepKind.MOVE,
-            number,
-            base_point=point,
-            target_rad=setup.joints_rad,
-            via_rad=setup.via_rad,
-        )
-        yield BallbarStep(f"{group}/clamp", StepKind.CLAMP_CUP, number, base_point=point)
+        group = step_ids.cup(place, setup.base_point)
+        of_cup = partial(step, base_point=setup.base_point)
+        yield of_cup(step_ids.move(group), StepKind.MOVE, target_rad=setup.joints_rad, via_rad=setup.via_rad)
+        yield of_cup(f"{group}/clamp", StepKind.CLAMP_CUP)
     # Plans that were stored before there was such a motion have none (decision 0016).
     if placement.away is not None:
-        yield BallbarStep(
-            step_ids.move(step_ids.away(place)),
-            StepKind.MOVE,
-            number,
-            target_rad=placement.away.joints_rad,
-            via_rad=placement.away.via_rad,
-        )
-    yield BallbarStep(f"{place}/ball-out", StepKind.REMOVE_BALL, number)
+        move, away = step_ids.move(step_ids.away(place)), placement.away
+        yield step(move, StepKind.MOVE, target_rad=away.joints_rad, via_rad=away.via_rad)
+    yield step(f"{place}/ball-out", StepKind.REMOVE_BALL)
 
 
 class _Poses:
@@ -242,36 +225,13 @@ def pose_steps(
     group: str, attempt: int, pose: PlannedPose, kit: BallbarKit, found: PreCalibration | None
 ) -> Iterator[BallbarStep]:
     """Yield the steps of one attempt at one pose."""
-    place, config = pose.placement, pose.config
-    yield BallbarStep(
-        step_ids.move(group),
-        StepKind.MOVE,
-        place,
-        config,
-        target_rad=pose.joints_rad,
-        via_rad=pose.via_rad,
-        attempt=attempt,
-    )
-    yield BallbarStep(
-        step_ids.initialise(group),
-        StepKind.INITIALISE,
-        place,
-        config,
-        artefact="base",
-        expected_mm=kit.base_bars.calibrator_mm,
-        attempt=attempt,
-    )
+    step = partial(BallbarStep, placement=pose.placement, config=pose.config, attempt=attempt)
+    yield step(step_ids.move(group), StepKind.MOVE, target_rad=pose.joints_rad, via_rad=pose.via_rad)
+    calibrator_mm = kit.base_bars.calibrator_mm
+    yield step(step_ids.initialise(group), StepKind.INITIALISE, artefact="base", expected_mm=calibrator_mm)
     for leg, expected_mm in zip(pose.legs, _expected(pose, kit, found), strict=True):
-        yield BallbarStep(
-            step_ids.leg(group, leg),
-            StepKind.CONNECT_LEG,
-            place,
-            config,
-            points=leg,
-            expected_mm=expected_mm,
-            attempt=attempt,
-        )
-    yield BallbarStep(step_ids.detach(group), StepKind.DETACH, place, config, attempt=attempt)
+        yield step(step_ids.leg(group, leg), StepKind.CONNECT_LEG, points=leg, expected_mm=expected_mm)
+    yield step(step_ids.detach(group), StepKind.DETACH)
 
 
 def _expected(pose: PlannedPose, kit: BallbarKit, found: PreCalibration | None) -> list[float]:

@@ -27,14 +27,15 @@ from truepose.messages.message import Message, Text, message
 from truepose.planning.ballbar.bodies import BaseFixture, fixture_body
 from truepose.planning.ballbar.length_forecast import forecast_lengths, unseen_swaps
 from truepose.planning.workspace.bodies import CellBodies, bodies_of, rooms
-from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
-from truepose.sessions.ballbar.cell import LookPastFixture
+from truepose.planning.workspace.path_clearance import Ways, path_warnings
+from truepose.sessions.ballbar.cell import LookPastFixture, PreCalibrate
 from truepose.sessions.ballbar.early_length_check import EarlyJudge
 from truepose.sessions.ballbar.length_check import Judges
 from truepose.sessions.ballbar.plan import steps
 from truepose.sessions.ballbar.situation import Situation
 from truepose.sessions.ballbar.valid_readings import counting
-from truepose.sessions.errors import NoBallbarError, PlanRefusedError
+from truepose.sessions.engine.ways import judged_ways, refuse_blocked
+from truepose.sessions.errors import NoBallbarError
 from truepose.storage.records import SessionSetup
 
 
@@ -69,12 +70,9 @@ def path_warnings_of_plan(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Tex
     owner knows. Raises PlanRefusedError where a stop cannot be, or a way above a floor that is stated.
     """
     bodies, moves = bodies_of(cell), [step for step in steps(plan, kit) if step.target_rad is not None]
-    ways = _ways(moves)
     # A stop before a way: what touches at its end touches on every way to it.
-    blocked = _blocked_stop(bodies, moves) or path_obstruction(bodies, ways)
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
-    return path_warnings(bodies, ways)
+    refuse_blocked(_blocked_stop(bodies, moves))
+    return judged_ways(bodies, _ways(moves))
 
 
 def _blocked_stop(bodies: CellBodies, moves: Sequence[BallbarStep]) -> Message | None:
@@ -132,28 +130,19 @@ class BallbarWork:
         async with self._plans.taken():
             return cast(BallbarPlan, await self._perform(plan_task(setup, wish), _nobody))
 
-    def precalibrator(self, setup: SessionSetup) -> "WorkerPreCalibrator":
-        """Return who pre-calibrates a session."""
-        return WorkerPreCalibrator(setup, self._perform)
+    def precalibrator(self, setup: SessionSetup) -> PreCalibrate:
+        """Return what says where to aim in a session from now on, and which lengths to expect there."""
+
+        async def precalibrate(plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
+            task = PrecalibrateTask(setup, plan, counting(plan, kit_of(setup), entries))
+            return cast(PreCalibration, await self._perform(task, _nobody))
+
+        return precalibrate
 
 
 def plan_task(setup: SessionSetup, wish: BallbarPlanRequest) -> BallbarPlanTask:
     """Return the choice of poses and placements as a worker is asked for it."""
     return BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed, wish.sphere)
-
-
-class WorkerPreCalibrator:
-    """Pre-calibrates one session; what the ballbar session asks for."""
-
-    def __init__(self, setup: SessionSetup, perform: Perform) -> None:
-        self._setup = setup
-        self._perform = perform
-
-    async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
-        """Return where to aim from now on, and which lengths to expect there; raises TrueposeError."""
-        counts = counting(plan, kit_of(self._setup), entries)
-        task = PrecalibrateTask(self._setup, plan, counts)
-        return cast(PreCalibration, await self._perform(task, _nobody))
 
 
 async def _nobody(fraction: float, doing: Text) -> None:

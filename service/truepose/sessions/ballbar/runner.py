@@ -26,7 +26,7 @@ from truepose.domain.errors import RecordRefusedError, text_of
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message
-from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator, precalibrated
+from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrate, precalibrated
 from truepose.sessions.ballbar.command_handlers import CommandHandlers
 from truepose.sessions.ballbar.dry_run import check_plan, check_structure
 from truepose.sessions.ballbar.length_check import Judges
@@ -68,7 +68,7 @@ class BallbarRunner(SessionRunner[Situation]):
         kit: BallbarKit,
         cell: BallbarCell,
         ledger: Ledger,
-        precalibrator: PreCalibrator,
+        precalibrate: PreCalibrate,
         entries: tuple[LedgerEntry, ...] = (),
         *,
         judges: Judges | None = None,
@@ -83,7 +83,7 @@ class BallbarRunner(SessionRunner[Situation]):
         self._plan = plan
         self._kit = kit
         self._cell = cell
-        self._precalibrator = precalibrator
+        self._identify = precalibrate
         self._breath_s = breath_s
         self._next_poll_s = 0.0  # of the ballbar, cell clock
         record = BallbarRecord()
@@ -212,7 +212,7 @@ class BallbarRunner(SessionRunner[Situation]):
 
     async def _precalibrate(self, step: BallbarStep) -> None:
         task = asyncio.create_task(
-            precalibrated(self._precalibrator, self._plan, self._kit, self._logbook.entries)
+            precalibrated(self._identify, self._plan, self._kit, self._logbook.entries)
         )
         try:
             # The end does not wait for a computation of a minute.

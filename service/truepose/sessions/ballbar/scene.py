@@ -9,10 +9,11 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import BallbarStep, PlannedPlacement, StepKind, Vector
 from truepose.domain.cell import Cell
-from truepose.kinematics.chain import Chain, forward, nominal_values
-from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.chain import Chain
+from truepose.kinematics.frames import placement_translation
 from truepose.sessions.ballbar import step_ids
 from truepose.sessions.ballbar.service import BallbarView
+from truepose.sessions.engine.nominal_arm import arm_line, as_vector, nominal_chain
 
 PointKind: TypeAlias = Literal["cup", "nest"]
 _DISTANCE_MM: Final = 1200.0  # from which a person looks before reaching in
@@ -66,18 +67,11 @@ def scene_of(view: BallbarView) -> Scene:
 
 
 def _chain(cell: Cell, joints_rad: FloatArray) -> Chain:
-    base = cell.base_nominal
-    values = nominal_values(cell.robot, joints_rad[None])
-    return forward(values, placement_rotation(base), placement_translation(base))
+    return nominal_chain(cell.robot, cell.base_nominal, joints_rad[None])
 
 
 def _arm(chain: Chain) -> tuple[Vector, ...]:
-    """Return base, joints and last frame as one line: along each link, then along each axis."""
-    line = [chain.base_origin[0]]
-    for middle, origin in zip(chain.origin_middle[:, 0], chain.origin[:, 0], strict=True):
-        # Zero lengths are left out: a picture of one point twice has no direction.
-        line += [point for point in (middle, origin) if not np.allclose(point, line[-1], atol=0.1)]
-    return tuple(_vector(point) for point in line)
+    return tuple(map(_vector, arm_line(chain)))
 
 
 def _placement(view: BallbarView, step: BallbarStep | None) -> PlannedPlacement | None:
@@ -149,5 +143,4 @@ def _seen(spread_mm: FloatArray, azimuth: float, side_deg: int) -> float:
 
 def _vector(point: FloatArray) -> Vector:
     # A page draws pixels: micrometres are more than enough, and shorter documents travel faster to a tablet.
-    x_mm, y_mm, z_mm = (round(float(value), 3) for value in point)
-    return x_mm, y_mm, z_mm
+    return as_vector(point, digits=3)

@@ -3,8 +3,8 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, TypeAlias
+from dataclasses import dataclass
+from typing import Final, TypeAlias
 
 from truepose.analysis.campaigns.ballbar import assemble_ballbar_campaign
 from truepose.domain.ballbar import BallbarPlan
@@ -16,10 +16,11 @@ from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
 from truepose.messages.message import message
 from truepose.planning.workspace.bodies import bodies_of
-from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrator
+from truepose.sessions.ballbar.cell import BallbarCell, PreCalibrate
 from truepose.sessions.ballbar.dry_run import check_plan
 from truepose.sessions.ballbar.planning import (
     BallbarPlanRequest,
+    Sight,
     kit_of,
     look_past_fixture_in,
     path_warnings_of_plan,
@@ -42,27 +43,6 @@ from truepose.storage.queries import Part
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
-if TYPE_CHECKING:
-    from truepose.sessions.ballbar.planning import Sight
-
-
-@dataclass(frozen=True, slots=True)
-class BallbarView:
-    """A ballbar session as it stands now."""
-
-    id: int
-    name: str
-    setup: SessionSetup
-    plan: BallbarPlan
-    situation: Situation
-    attendance: Attendance
-    sight: "Sight"
-
-    @property
-    def kit(self) -> BallbarKit:
-        """What the ballbar comes with."""
-        return kit_of(self.setup)
-
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
@@ -71,21 +51,28 @@ class Fixed:
     name: str
     setup: SessionSetup
     plan: BallbarPlan
-    sight: "Sight"
+    sight: Sight
+
+    @property
+    def kit(self) -> BallbarKit:
+        """What the ballbar comes with."""
+        return kit_of(self.setup)
 
 
-def sight_of(setup: SessionSetup, plan: BallbarPlan) -> "Sight":
-    """Return what can be said of lengths before anything is calibrated; takes a while."""
-    from truepose.sessions.ballbar.planning import Sight  # numerics: a start does not wait for them
+@dataclass(frozen=True, slots=True)
+class BallbarView(Fixed):
+    """A ballbar session as it stands now."""
 
-    return Sight(setup, plan, kit_of(setup))
+    id: int
+    situation: Situation
+    attendance: Attendance
 
 
 _LOG: Final = logging.getLogger(__name__)
 NOBODY_RUNS: Final = message("session.program_stopped")
 _REMEMBERED: Final = 8  # sessions whose plan and judges wait in memory for the next look at them
 _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
-MakePreCalibrator: TypeAlias = Callable[[SessionSetup], PreCalibrator]
+MakePreCalibrator: TypeAlias = Callable[[SessionSetup], PreCalibrate]
 ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarPlanRequest], Awaitable[BallbarPlan]]
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
@@ -163,7 +150,7 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
         # The runner's own situation where there is one: it knows halts and refusals that are not on record
         # yet.
         found = _run_by_nobody(fixed, by_nobody) if runner is None else runner.situation
-        return BallbarView(session_id, fixed.name, fixed.setup, fixed.plan, found, now, fixed.sight)
+        return BallbarView(fixed.name, fixed.setup, fixed.plan, fixed.sight, session_id, found, now)
 
     def frame_of(self, placement: int) -> FramePlacement | None:
         """Return where the session under way wants the base fixture; None where nobody says."""
@@ -177,10 +164,9 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
     async def campaign(self, session_id: int) -> Campaign:
         """Return the campaign of what counts so far; raises NotFoundError, NothingMeasuredError."""
         fixed = await self._what_is_fixed(session_id)
-        kit = kit_of(fixed.setup)
         entries = [record.entry for record in await self.desk.ledger.whole(session_id)]
-        counts = await asyncio.to_thread(counting, fixed.plan, kit, entries)
-        return assemble_ballbar_campaign(f"session {session_id}", fixed.setup, kit, counts)
+        counts = await asyncio.to_thread(counting, fixed.plan, fixed.kit, entries)
+        return assemble_ballbar_campaign(f"session {session_id}", fixed.setup, fixed.kit, counts)
 
     async def entries(self, session_id: int, page: Page) -> Part[LedgerRecord]:
         """Return what happened, oldest first; raises NotFoundError."""
@@ -259,7 +245,7 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
             record = await self.get(session_id)
             setup = await self.desk.sessions.setup(session_id)
             plan = await self.desk.sessions.ballbar_plan(session_id)
-            sight = await asyncio.to_thread(sight_of, setup, plan)
+            sight = await asyncio.to_thread(Sight, setup, plan, kit_of(setup))
             found = Fixed(record.name, setup, plan, sight)
         self._fixed[session_id] = found  # the one that was asked for last comes last
         self._forget_others()
@@ -274,10 +260,10 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
 
 def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:
     """Return where a session stands that nobody runs: it never says that it runs."""
-    kit = kit_of(fixed.setup)
-    found = situation(fixed.plan, kit, entries)
+    found = situation(fixed.plan, fixed.kit, entries)
     if found.state not in {SessionState.RUNNING, SessionState.PAUSING, SessionState.ABORTING}:
         return found
     # Also of one whose end was asked for: it can be asked for again, and any other act has it take place.
-    waits = LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=NOBODY_RUNS)
-    return situation(fixed.plan, kit, [*entries, replace(waits, entered=SessionState.AWAITING_CONFIRMATION)])
+    entered = SessionState.AWAITING_CONFIRMATION
+    waits = LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=NOBODY_RUNS, entered=entered)
+    return situation(fixed.plan, fixed.kit, [*entries, waits])

@@ -128,10 +128,7 @@ class Situation:
 
 def situation(plan: BallbarPlan, kit: BallbarKit, entries: Iterable[LedgerEntry]) -> Situation:
     """Return where a session stands after these lines of its ledger, oldest first."""
-    record = BallbarRecord()
-    for entry in entries:
-        record.apply(entry)
-    return situation_of(plan, kit, record)
+    return situation_of(plan, kit, BallbarRecord.of(entries))
 
 
 def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> Situation:

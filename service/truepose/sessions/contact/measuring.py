@@ -11,19 +11,19 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, ContactTaken, Joints
-from truepose.domain.robot import FramePlacement, JointRange, Robot
+from truepose.domain.robot import FramePlacement, Robot
 from truepose.domain.session import Vector
 from truepose.kinematics.frames import placement_rotation
 from truepose.kinematics.inverse import all_branches
 from truepose.messages.message import Message, message
-from truepose.sessions.engine.arm import Arm
+from truepose.sessions.engine.arm import Arm, ArmCell
 from truepose.sessions.engine.identity_check import reported_serial_number, same_number
 from truepose.sessions.engine.interlocks import binding_speed, joint_outside, motion_limits, slowest
-from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.engine.nominal_arm import as_vector, nominal_chain
 from truepose.sessions.engine.runner import is_interruption
-from truepose.sessions.engine.ways import LookAtWays, rest_of_way
+from truepose.sessions.engine.ways import rest_of_way
 from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError, WayNotClearError
-from truepose_drivers.api import BallbarReading, Clock, FullGauge, FullRobot, MotionLimits
+from truepose_drivers.api import BallbarReading, Clock, FullGauge, MotionLimits
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError
 
 
@@ -36,18 +36,12 @@ class GaugeBox:
     serial: str = ""  # that it must tell, where it tells one
 
 
-@dataclass(frozen=True, slots=True)
-class ContactCell:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactCell(ArmCell):
     """Devices and nominal robot of one cell."""
 
     gauges: tuple[GaugeBox, ...]  # in the order in which the targets of a stop are read
-    robot_controller: FullRobot
-    clock: Clock
-    robot: Robot
-    look_at_ways: LookAtWays  # before the arm goes them
     base: FramePlacement = field(default_factory=FramePlacement)  # nominal, in the world
-    joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
-    speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
     attachment: int = 1  # how often the tool has been mounted
     robot_serial: str = ""
 
@@ -294,8 +288,8 @@ class ContactMeasurement:
         raise ReadingRejectedError(message("session.probe.no_zero", null_mm=null_mm))
 
     async def _nudge(self, joints_rad: Joints, push: Vector, shown_mm: float) -> Joints:
-        x, y, z = (-shown_mm * np.array(push)).tolist()
-        there_rad = nudge(self._cell.robot, self._cell.base, joints_rad, (x, y, z))
+        back_mm = as_vector(-shown_mm * np.array(push))
+        there_rad = nudge(self._cell.robot, self._cell.base, joints_rad, back_mm)
         # Looked at here, so that the stop is left out. Refused by the interlocks it asked a person the same
         # question for ever: joint 6 at 180.02 deg (commit 34fb5649).
         outside = joint_outside(there_rad, motion_limits(self._cell.robot, self._cell.joint_limits))

@@ -4,14 +4,12 @@ A stop whose reading fails is skipped with its reason; several in a row pause th
 arm that is not where it was left, has a person look at the cell before anything moves again.
 """
 
-from collections import deque
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any, Final
 
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.errors import text_of
 from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
 from truepose.messages.message import Text, message, together
 from truepose.sessions.contact.dry_run import check_plan, ways_to
@@ -26,17 +24,14 @@ from truepose.sessions.contact.state import (
     open_prompt,
     situation_of,
 )
-from truepose.sessions.engine.arm import Arm
-from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
-from truepose.sessions.engine.halts import Halts
+from truepose.sessions.engine.commands import OperatorCommand
 from truepose.sessions.engine.identity_check import reported_serial_number, same_number
-from truepose.sessions.engine.interlocks import binding_speed, end_of_motion, motion_limits, speed_sentence
+from truepose.sessions.engine.interlocks import binding_speed, motion_limits, speed_sentence
 from truepose.sessions.engine.ledger import RESTARTED, Ledger, Logbook
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.engine.runner import is_interruption
 from truepose.sessions.engine.states import has_ended
-from truepose.sessions.engine.unattended import UnattendedRunner
-from truepose.sessions.engine.ways import KnownWays
+from truepose.sessions.engine.unattended import Line, UnattendedRunner, awaits_person
 from truepose.sessions.errors import (
     AttentionNeededError,
     ForeignRobotError,
@@ -59,6 +54,8 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
     Raises PlanRefusedError where the plan does not fit the cell.
     """
 
+    progress_on_each_line = True
+
     def __init__(
         self, plan: ContactPlan, cell: ContactCell, ledger: Ledger, entries: tuple[LedgerEntry, ...] = ()
     ) -> None:
@@ -68,19 +65,8 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         self._cell = cell
         self._record = record = ContactRecord()
         logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, record), entries)
-        halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
-        super().__init__(logbook, halts, cell.robot_controller)
+        super().__init__(logbook, cell, limits, plan.joint_tolerance_rad, _EFFECTS)
         self._speed = binding_speed(plan, cell.speed_limits)
-        self._ways = KnownWays(cell.look_at_ways)
-        self._arm = Arm(
-            cell.robot_controller,
-            cell.clock,
-            cell.robot,
-            limits,
-            plan.joint_tolerance_rad,
-            self._permission,
-            self._ways,
-        )
         self._gauges = Gauges(cell.gauges, cell.clock, plan)
         self._visiting = ContactMeasurement(plan, cell, self._arm, self._gauges)
 
@@ -101,19 +87,10 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
 
     # what a person asks for
 
-    async def do(self, act: OperatorCommand) -> CommandOutcome:
-        """Do what an act asks for; raises NotNowError."""
-        if act.name in HALTS:
-            return await self._halts.halt(act)
-        if act.name is CommandName.START:
-            return self._asked_now()
-        name, asked = tidy_name(act.person), self._record.reason
-        number = await self._logbook.enter(SessionState.RUNNING, message("session.went_on", person=name), act)
-        self._halts.forget()
-        self._ways.confirm(asked)
-        self._arm.forget()
+    async def _go_on(self, act: OperatorCommand) -> int:
+        number = await super()._go_on(act)
         self._visiting.forget()
-        return CommandOutcome(message("session.done.confirmed"), number)
+        return number
 
     # what the run does
 
@@ -152,73 +129,49 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
 
         await self._logbook.keep(put)
 
-    async def perform(self) -> None:
-        """Do the present step; after a fault the ledger says what is to be done about it."""
+    async def perform_step(self) -> None:
+        """Do the present step, or ask what it asks."""
         step = self.situation.step
-        if self._halts.wish is not None:
-            return
-        if step is None:
-            await self._logbook.keep(self.settle)
-        elif isinstance(step, Question):
+        if isinstance(step, Question):
             await self._ask(step)
         # After the disk has refused for a while nobody expects a motion (decision 0024).
         elif self._logbook.interrupted is not None:
             await self._logbook.keep(self._wait_after_refusal)
-        else:
+        elif step is not None:
             await self._do(step)
 
-    async def _do(self, step: Open | Visit) -> None:
-        self._halts.moving = True
-        try:
-            lines = await self._attempt(step)
-        finally:
-            self._halts.moving = False
-        waiting = deque(lines)
-        await self._logbook.keep(lambda: self._conclude(waiting))
+    async def operate(self, step: Open | Visit) -> Sequence[Line]:
+        """Do a step; returns what is put on record at its end."""
+        if isinstance(step, Open):
+            await self._open()
+            return (Line(EntryKind.ENDED, OPEN),)
+        # Before each stop: a controller may be exchanged behind an address without the link going down.
+        await self._require_same_robot()
+        return (Line(EntryKind.MEASURED, step.id, contact=await self._visiting.visit(step.stop)),)
 
-    async def _attempt(self, step: Open | Visit) -> list[dict[str, Any]]:
-        """Do a step; returns the lines that are put on record at its end."""
-        progress = replace(self.progress, doing=step.title)
-        await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
-        try:
-            if isinstance(step, Open):
-                await self._open()
-                return [{"kind": EntryKind.ENDED, "step_id": OPEN}]
-            # Before each stop: a controller may be exchanged behind an address without the link going down.
-            await self._require_same_robot()
-            taken = await self._visiting.visit(step.stop)
-            return [{"kind": EntryKind.MEASURED, "step_id": step.id, "contact": taken}]
-        except (SessionError, DriverError) as error:
-            if isinstance(error, MotionForbiddenError) and self._halts.wish is not None:
-                return []  # asked for between two looks
-            if is_interruption(error):
-                await self._gauges.close()
-                await self._cell.robot_controller.close()
-            return self._lines_after(error, step)
+    async def let_go(self) -> None:
+        """Close the links to gauges and robot."""
+        await self._gauges.close()
+        await self._cell.robot_controller.close()
 
-    def _lines_after(self, error: Exception, step: Open | Visit) -> list[dict[str, Any]]:
+    def lines_after(self, error: SessionError | DriverError, step: Open | Visit) -> Sequence[Line]:
         """Return what is put on record after a fault: somebody looks, or the stop is left out."""
         reason = text_of(error)
         if is_interruption(error) or isinstance(error, MotionForbiddenError):
-            waits = {"entered": SessionState.AWAITING_CONFIRMATION, "text": together(reason, CELL_CLEAR)}
-            return [
-                {"kind": EntryKind.REOPENED, "step_id": OPEN},
-                {"kind": EntryKind.CONTROL, "step_id": step.id, **waits},
-            ]
-        pauses = {"kind": EntryKind.CONTROL, "step_id": step.id, "entered": SessionState.PAUSED}
-        waits = {**pauses, "text": together(reason, CELL_CLEAR)}
+            return Line(EntryKind.REOPENED, OPEN), awaits_person(reason, step.id)
         if isinstance(step, Open) or isinstance(error, AttentionNeededError):
-            return [waits]
-        skipped = {"kind": EntryKind.SKIPPED, "step_id": step.id, "text": reason}
+            return (_paused(reason, step),)
+        skipped = Line(EntryKind.SKIPPED, step.id, reason)
         if not self._visiting.is_where_the_next_way_begins(step.stop):
             # A stop stays the present one until the arm has left its target: so it leaves by the way of this
             # stop, also after a restart. Wires have nothing to leave, only a way that nobody has looked at.
-            return [waits] if self._plan.touches else [skipped, waits]
+            waits = _paused(reason, step)
+            return (waits,) if self._plan.touches else (skipped, waits)
         # One configuration may fail by itself; several in a row make the set-up suspect.
-        if self.situation.failures + 1 < self._plan.failures_in_a_row:
-            return [skipped]
-        why = message("session.stops_in_a_row", stops=self.situation.failures + 1, why=reason)
-        return [skipped, {**pauses, "text": together(why, CELL_CLEAR)}]
+        failures = self.situation.failures + 1
+        if failures < self._plan.failures_in_a_row:
+            return (skipped,)
+        return skipped, _paused(message("session.stops_in_a_row", stops=failures, why=reason), step)
 
     async def _open(self) -> None:
         robot = self._cell.robot_controller
@@ -243,18 +196,10 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         if self.state is SessionState.RUNNING:
             await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, why)
 
-    async def _conclude(self, lines: deque[dict[str, Any]]) -> None:
-        """Put on record how a step ended, once; a halt that was asked for meanwhile takes effect."""
-        ends = self._halts.wish is SessionState.ABORTED
-        while lines:
-            waits = "entered" in lines[0]
-            if not (waits and ends):
-                await self._logbook.append(progress=self.progress, **lines[0])
-            if waits and not ends:
-                self._halts.wish = None  # it waits for a person, as was wished
-            lines.popleft()
-        await self.follow_step()
-
     async def close(self) -> None:
         """Let go of the gauges."""
         await self._gauges.close()
+
+
+def _paused(reason: Text, step: Open | Visit) -> Line:
+    return Line(EntryKind.CONTROL, step.id, together(reason, CELL_CLEAR), SessionState.PAUSED)

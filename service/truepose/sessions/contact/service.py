@@ -13,13 +13,12 @@ from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.planning.errors import PlanningError
 from truepose.planning.workspace.bodies import bodies_of
-from truepose.planning.workspace.path_clearance import path_obstruction, path_warnings
 from truepose.sessions.contact.dry_run import check_plan, ways_to
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.contact.runner import ContactRunner
 from truepose.sessions.engine.interlocks import motion_limits
 from truepose.sessions.engine.robot import WatchfulRobot
-from truepose.sessions.engine.ways import look_in
+from truepose.sessions.engine.ways import judged_ways, look_in
 from truepose.sessions.errors import MissingDeviceError, PlanRefusedError
 from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.storage.ledger.entries import SessionLedger
@@ -109,11 +108,7 @@ class ContactSessions(UnattendedSessionService[ContactRunner]):
 
 def _judged(cell: Cell, plan: ContactPlan) -> Text:
     check_plan(plan, cell.robot, cell.base_nominal, motion_limits(cell.robot, cell.limits.joints))
-    bodies, ways = bodies_of(cell), ways_to(plan.stops)
-    blocked = path_obstruction(bodies, ways)
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
-    return path_warnings(bodies, ways)
+    return judged_ways(bodies_of(cell), ways_to(plan.stops))
 
 
 def _chosen(cell: Cell, wanted: ContactPlanRequest) -> ContactPlan:

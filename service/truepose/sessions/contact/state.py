@@ -177,7 +177,6 @@ class ContactSituation(RunsByItself):
     step: Step | None  # the present one; None: nothing is left to do
     left: tuple[ContactStop, ...]  # neither measured nor skipped
     failures: int
-    progress: Progress
 
     @property
     def leads_to(self) -> tuple[int, ...]:
@@ -188,10 +187,7 @@ class ContactSituation(RunsByItself):
 
 def situation(plan: ContactPlan, entries: Iterable[LedgerEntry]) -> ContactSituation:
     """Return where a session stands after these lines of its ledger, oldest first."""
-    record = ContactRecord()
-    for entry in entries:
-        record.apply(entry)
-    return situation_of(plan, record)
+    return situation_of(plan, ContactRecord.of(entries))
 
 
 def situation_of(plan: ContactPlan, record: ContactRecord) -> ContactSituation:

@@ -25,7 +25,7 @@ from truepose.sessions.engine.interlocks import (
     motion_obstacle,
 )
 from truepose.sessions.engine.nominal_arm import nominal_chain
-from truepose.sessions.engine.ways import Joints, KnownWays, apart, are_comparable
+from truepose.sessions.engine.ways import Joints, KnownWays, LookAtWays, apart, are_comparable
 from truepose.sessions.errors import MotionForbiddenError
 from truepose_drivers.api import Clock, FullRobot, JointReading, MotionLimits
 from truepose_drivers.errors import TargetRefusedError
@@ -33,6 +33,18 @@ from truepose_drivers.errors import TargetRefusedError
 _LOOKS: Final = 24  # along a way; between two of them the speeds hardly change
 _LONG_S: Final = 0.5  # of cell time, after which one can tell whether it costs wall time
 _SHARE_THAT_WAITS: Final = 0.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmCell:
+    """The robot of one cell, and what binds its motions."""
+
+    robot_controller: FullRobot
+    clock: Clock
+    robot: Robot  # nominal
+    look_at_ways: LookAtWays  # before the arm goes them
+    joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
+    speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
 
 
 class MotionSegments:

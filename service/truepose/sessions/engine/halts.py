@@ -5,7 +5,7 @@ under the key of who asked for it as soon as lines are taken again.
 """
 
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import EntryKind
@@ -102,32 +102,25 @@ class Halts:
         return True
 
 
-class Waits(Protocol):
-    """Brings a session to where it waits; the caller holds `changing`."""
-
-    async def settle(self) -> None:
-        """Put what comes next on record."""
-        ...
-
-    async def hold(self, reason: Text) -> None:
-        """Have the session wait for a person."""
-        ...
-
-
 class PendingHalts:
-    """Brings a session to where it waits again after lines were refused."""
+    """Brings a session to where it waits again after lines were refused.
+
+    `settle` puts what comes next on record, `hold` has the session wait for a person; both hold `changing`.
+    """
 
     def __init__(
         self,
         logbook: Logbook[Any],
         halts: Halts,
         act: Callable[[OperatorCommand], Awaitable[object]],
-        waits: Waits,
+        settle: Callable[[], Awaitable[None]],
+        hold: Callable[[Text], Awaitable[None]],
     ) -> None:
         self._logbook = logbook
         self._halts = halts
         self._act = act
-        self._waits = waits
+        self._settle = settle
+        self._hold = hold
         self.owed: OperatorCommand | None = None
 
     @property
@@ -162,7 +155,7 @@ class PendingHalts:
             # persons' acts need.
             await book.accepted()
             await self._pay()
-            await book.keep(self._waits.settle)
+            await book.keep(self._settle)
 
     async def _pay(self) -> None:
         while self.owed is not None:
@@ -173,7 +166,7 @@ class PendingHalts:
                 continue
             except SessionError:  # the session is elsewhere by now; it waits for a person all the same
                 self._halts.wish = None
-                await self._logbook.keep(lambda: self._waits.hold(message("session.halt_asked")))
+                await self._logbook.keep(lambda: self._hold(message("session.halt_asked")))
             if not self._halts.moving and self._logbook.state is SessionState.ABORTING:
                 await self._logbook.keep(self._end)  # the second line of an end
             self.owed = None

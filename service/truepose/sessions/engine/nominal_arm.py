@@ -4,6 +4,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, Nest, Robot
+from truepose.domain.session import Vector
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.messages.message import message
@@ -32,3 +33,18 @@ def nest_in_world(
     chain = nominal_chain(robot, base, np.array([joints_rad]))
     point: FloatArray = chain.points(nest_centre(nests, nest))[0]
     return point
+
+
+def arm_line(chain: Chain, number: int = 0) -> tuple[FloatArray, ...]:
+    """Return base, joints and last frame of one configuration as a line: along each link, then each axis."""
+    line = [chain.base_origin[0]]
+    for middle, origin in zip(chain.origin_middle[:, number], chain.origin[:, number], strict=True):
+        # Zero lengths are left out: a picture of one point twice has no direction.
+        line += [point for point in (middle, origin) if not np.allclose(point, line[-1], atol=0.1)]
+    return tuple(line)
+
+
+def as_vector(point: FloatArray, digits: int | None = None) -> Vector:
+    """Return a point, shape (3,), as plain numbers; rounded to `digits` where they are given."""
+    x, y, z = (float(value) if digits is None else round(float(value), digits) for value in point)
+    return x, y, z

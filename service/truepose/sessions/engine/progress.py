@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 from statistics import fmean, median
-from typing import Final
+from typing import Final, Self
 
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import IdentityOf, IdentityTaken, SessionState, config_of
@@ -86,6 +86,14 @@ class Record(ABC):
     lines: int = 0
     last_end: LedgerEntry | None = None  # of a configuration
     ends: int = 0  # of configurations
+
+    @classmethod
+    def of(cls, entries: Iterable[LedgerEntry]) -> Self:
+        """Return what these lines amount to, oldest first."""
+        record = cls()
+        for entry in entries:
+            record.apply(entry)
+        return record
 
     def apply(self, entry: LedgerEntry) -> None:
         """Take the next line of the ledger."""

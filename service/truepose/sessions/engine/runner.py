@@ -93,7 +93,7 @@ class SessionRunner(ABC, Generic[S]):
         self._logbook = logbook
         self._halts = halts
         self._failure: Exception | None = None  # a halt could not be kept: the run ends with this
-        self._pending = PendingHalts(logbook, halts, self.act, self)
+        self._pending = PendingHalts(logbook, halts, self.act, self.settle, self.hold)
 
     @property
     def situation(self) -> S:

@@ -16,8 +16,8 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.messages.message import Message, Text, is_said_in, message
 from truepose.planning.workspace.bodies import CellBodies
-from truepose.planning.workspace.path_clearance import Ways, path_warnings
-from truepose.sessions.errors import WayNotClearError
+from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings
+from truepose.sessions.errors import PlanRefusedError, WayNotClearError
 
 Joints: TypeAlias = tuple[float, ...]
 LookAtWays: TypeAlias = Callable[[Ways], Awaitable[Text]]  # what to watch on them; empty: all look clear
@@ -32,6 +32,18 @@ def look_in(bodies: CellBodies) -> LookAtWays:
         return await asyncio.to_thread(path_warnings, bodies, ways)
 
     return look
+
+
+def refuse_blocked(blocked: Message | None) -> None:
+    """Raise PlanRefusedError where something is in the way."""
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
+
+
+def judged_ways(bodies: CellBodies, ways: Ways) -> Text:
+    """Return what to watch on planned ways; raises PlanRefusedError where one cannot be."""
+    refuse_blocked(path_obstruction(bodies, ways))
+    return path_warnings(bodies, ways)
 
 
 class KnownWays:

@@ -18,6 +18,7 @@ from truepose.sessions.engine.states import after_restart
 from truepose.sessions.service import Attendance
 from truepose.sessions.tracker.revisions import can_be_skipped, newest_stop
 from truepose.sessions.tracker.state import TrackerRecord, situation_of
+from truepose.sessions.tracker.steps import StepKind
 from truepose.storage.records import SessionSetup
 
 Plan: TypeAlias = SessionPlan | ContactPlan
@@ -97,10 +98,8 @@ class Guide:
 
 def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> SessionStatus:
     """Return where a session stands after these lines; `runs`: a program does what is due."""
-    record = TrackerRecord() if isinstance(fixed.plan, SessionPlan) else ContactRecord()
-    for entry in entries:
-        record.apply(entry)
-    return standing_of(fixed, record, runs=runs)
+    record = TrackerRecord if isinstance(fixed.plan, SessionPlan) else ContactRecord
+    return standing_of(fixed, record.of(entries), runs=runs)
 
 
 def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> SessionStatus:
@@ -144,24 +143,14 @@ def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) ->
     if newest_stop(record) is not None:
         acts.add(CommandName.RETRY)
     # Devices are opened by the session itself whenever that is needed.
-    if record.ended and record.ended[-1] != OPENED:
+    if record.ended and record.ended[-1] != StepKind.OPEN:
         acts.add(CommandName.BACK)
     step = found.step
     if step is None:
         return None, found.progress, frozenset(acts)
-    shown = GuideStep(step.id, "stop", step.stop.config, step.stop.nest) if step.stop else _plain(step.id)
+    config, nest = (None, None) if step.stop is None else (step.stop.config, step.stop.nest)
+    shown = GuideStep(step.id, step.kind.value, config, nest)
     return shown, found.progress, frozenset(acts)
-
-
-OPENED: Final = "instruments"
-_PLAIN: Final[dict[str, StepName]] = {
-    OPENED: "instruments", "warm-up": "warm-up", "world-frame": "world-frame", "fixed-nests": "fixed-nests",
-    OPEN: "instruments",
-}  # fmt: skip
-
-
-def _plain(step_id: str) -> GuideStep:
-    return GuideStep(step_id, _PLAIN[step_id])
 
 
 def _of_contacts(plan: ContactPlan, record: ContactRecord) -> _Found:
@@ -170,7 +159,7 @@ def _of_contacts(plan: ContactPlan, record: ContactRecord) -> _Found:
         case Visit(stop):
             step = GuideStep(stop_id(stop.config), "stop", stop.config, plan.nest)
         case Open():
-            step = _plain(OPEN)
+            step = GuideStep(OPEN, "instruments")
         case Question() as question:
             step = GuideStep(question.value, "question")
         case None:

@@ -19,7 +19,7 @@ from truepose.domain.session import (
     config_of,
 )
 from truepose.messages.message import Text
-from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
+from truepose.sessions.engine.nominal_arm import as_vector, nest_centre, nominal_chain
 from truepose.sessions.guide.guide import Fixed
 from truepose.sessions.tracker.registration import to_world
 from truepose.sessions.tracker.state import TrackerRecord
@@ -81,8 +81,7 @@ class PointRow:
         """Actual minus expected."""
         if self.actual_mm is None or self.expected_mm is None:
             return None
-        x, y, z = (round(a - e, _DIGITS) for a, e in zip(self.actual_mm, self.expected_mm, strict=True))
-        return x, y, z
+        return _vector(np.subtract(self.actual_mm, self.expected_mm))
 
     @property
     def distance_mm(self) -> float | None:
@@ -106,9 +105,7 @@ def sheet_of(fixed: Fixed, entries: Sequence[LedgerEntry]) -> Sheet:
     """Return the tables of a session after these lines of its ledger."""
     if isinstance(fixed.plan, ContactPlan):
         return Sheet(None, (), None, (), _contact_rows(fixed.plan, entries))
-    record = TrackerRecord()
-    for entry in entries:
-        record.apply(entry)
+    record = TrackerRecord.of(entries)
     nests = len(fixed.setup.cell.fixed_nests)
     return Sheet(
         warmth=warmth(record.warming, fixed.plan, nests) if fixed.plan.warm_up and nests else None,
@@ -252,5 +249,4 @@ def _contact_rows(plan: ContactPlan, entries: Sequence[LedgerEntry]) -> tuple[Po
 
 
 def _vector(point: FloatArray) -> Vector:
-    x, y, z = (round(float(value), _DIGITS) for value in point)
-    return x, y, z
+    return as_vector(point, _DIGITS)

@@ -24,6 +24,7 @@ from truepose.planning.workspace.space import (
     nominal_chain,
     space_of_cell,
 )
+from truepose.sessions.engine.nominal_arm import arm_line, as_vector
 from truepose.sessions.guide.guide import Fixed
 
 # Of an AT901, the narrower of the two heads that the drivers know; an AT40x begins to measure at 1.5 m.
@@ -82,7 +83,7 @@ def guided_scene(fixed: Fixed, registration: Registration | None, config: int | 
     points = _stops(space, chain, stops) if stops else ()
     nests = _fixed_nests(cell, space)
     return GuidedScene(
-        arm_mm=_arm(chain, number),
+        arm_mm=tuple(map(_vector, arm_line(chain, number))),
         instrument_mm=space.tracker_position_mm if stops else None,
         placed=registration is not None,
         fixed_nests=nests,
@@ -179,13 +180,6 @@ def _round_about(space: WorkSpace, place: Vector) -> Iterator[Vector]:
                 yield _vector(base + np.array([share, share, 1.0]) * way + np.array([0.0, 0.0, climb]))
 
 
-def _arm(chain: Chain, number: int) -> tuple[Vector, ...]:
-    line = [chain.base_origin[0]]
-    for middle, origin in zip(chain.origin_middle[:, number], chain.origin[:, number], strict=True):
-        line += [point for point in (middle, origin) if not np.allclose(point, line[-1], atol=0.1)]
-    return tuple(_vector(point) for point in line)
-
-
 def _view_of(space: WorkSpace, shown: list[Vector]) -> dict[str, Vector]:
     """Return what is looked at, and from where: across the beam, from above."""
     base = placement_translation(space.base)
@@ -200,5 +194,4 @@ def _view_of(space: WorkSpace, shown: list[Vector]) -> dict[str, Vector]:
 
 
 def _vector(point: FloatArray) -> Vector:
-    x_mm, y_mm, z_mm = (round(float(value), 3) for value in point)
-    return x_mm, y_mm, z_mm
+    return as_vector(point, digits=3)

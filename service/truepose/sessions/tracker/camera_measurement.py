@@ -29,7 +29,7 @@ from truepose.kinematics.frames import (
 from truepose.messages.message import Text, message
 from truepose.sessions.engine.identity_check import reported_serial_number
 from truepose.sessions.engine.ledger import Logbook
-from truepose.sessions.engine.nominal_arm import nest_centre, nominal_chain
+from truepose.sessions.engine.nominal_arm import as_vector, nest_centre, nominal_chain
 from truepose.sessions.errors import AttentionNeededError, PlanRefusedError, ReadingRejectedError
 from truepose.sessions.tracker import steps as steps
 from truepose.sessions.tracker.cell import AtRest, SessionCell
@@ -155,8 +155,8 @@ class Poses:
             time_s=reading.time_s,
             temperature_c=math.nan,
             attachment=self._cell.attachment,
-            position_tracker_mm=tuple(seen_mm.tolist()),
-            position_world_mm=tuple(world_mm.tolist()),
+            position_tracker_mm=as_vector(seen_mm),
+            position_world_mm=as_vector(world_mm),
             # The camera states no uncertainty of a reading; the cell file does.
             standard_uncertainty_mm=self._camera.position_u_mm,
             rms_mm=reading.rms_mm,

@@ -13,15 +13,14 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.errors import text_of
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionPlan, SessionState
 from truepose.messages.message import Message, Text, as_sentence, message, together
-from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.engine.runner import is_interruption
+from truepose.sessions.engine.unattended import Line, awaits_person
 from truepose.sessions.errors import (
     AttentionNeededError,
     ForeignInstrumentError,
@@ -42,16 +41,6 @@ from truepose_drivers.errors import (
 _INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """What is put on record."""
-
-    kind: EntryKind
-    step_id: str = ""
-    text: Text = ""
-    entered: SessionState | None = None
-
-
 def lines_after(
     error: SessionError | DriverError,
     step: Step,
@@ -66,7 +55,7 @@ def lines_after(
     """
     reason = text_of(error)
     if isinstance(error, WayNotClearError):
-        return iter((_awaits(reason),))
+        return iter((awaits_person(reason),))
     # Then: among what it covers are errors that the cases below would take for a failed reading.
     if is_interruption(error) or isinstance(error, MotionForbiddenError):
         return _after_interruption(reason, step, now)
@@ -90,13 +79,13 @@ def _after_interruption(reason: Text, step: Step, now: TrackerSituation) -> Iter
     # Otherwise a configuration in which a cable comes loose would have a person confirm for ever.
     if step.stop is not None and now.interruptions + 1 >= _INTERRUPTIONS_PER_STOP:
         yield Line(EntryKind.SKIPPED, step.id, message("session.interrupted_twice", why=reason))
-    yield _awaits(together(as_sentence(reason), message("session.put_right")), step.id)
+    yield awaits_person(together(as_sentence(reason), message("session.put_right")), step.id)
 
 
 def _after_refused_motion(reason: Text, step: Step) -> Iterator[Line]:
     yield Line(EntryKind.SKIPPED, step.id, reason)
     # The arm is not where the way to the next stop begins, so that nobody has looked at the way from here.
-    yield _awaits(as_sentence(reason), step.id)
+    yield awaits_person(as_sentence(reason), step.id)
 
 
 def _after_failed_measurement(
@@ -138,12 +127,8 @@ def _after_exchange(question: Text, now: TrackerSituation) -> Iterator[Line]:
     yield Line(EntryKind.REOPENED, StepKind.OPEN)
     if now.last_known is not None:  # also of one that is put back: it was moved
         yield Line(EntryKind.REOPENED, StepKind.REGISTER)
-    yield _awaits(question)
+    yield awaits_person(question)
 
 
 def _paused(reason: Text, step_id: str = "") -> Line:
     return Line(EntryKind.CONTROL, step_id, reason, SessionState.PAUSED)
-
-
-def _awaits(what: Text, step_id: str = "") -> Line:
-    return Line(EntryKind.CONTROL, step_id, together(what, CELL_CLEAR), SessionState.AWAITING_CONFIRMATION)

@@ -7,7 +7,7 @@ known place, so that only its azimuth is unknown, and nest 1 lies on a circle ar
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, cast
 
 import numpy as np
@@ -20,9 +20,17 @@ from truepose.domain.session import FixedNestTaken, Registration, SessionPlan, V
 from truepose.kinematics.frames import rigid_alignment, rotation_z
 from truepose.messages.message import message
 from truepose.sessions.engine.ledger import Logbook
+from truepose.sessions.engine.nominal_arm import as_vector
 from truepose.sessions.errors import AttentionNeededError, ReadingRejectedError
 from truepose.sessions.tracker.cell import SessionCell
-from truepose.sessions.tracker.registration import nest_mean, register, scale_sentence, to_tracker, to_world
+from truepose.sessions.tracker.registration import (
+    RoughFrame,
+    nest_mean,
+    register,
+    scale_sentence,
+    to_tracker,
+    to_world,
+)
 from truepose.sessions.tracker.state import TrackerSituation
 from truepose.sessions.tracker.steps import FixedNestPhase, ReadFixedNest, StepKind
 from truepose.sessions.tracker.tracking import (
@@ -40,24 +48,6 @@ SEARCH_RADIUS_MM: Final = 150.0  # covers 2 deg of tilt at 3 m and 40 mm of the 
 # the scale and both faces together stay far below this, while two other reflectors never fit by chance.
 _SAME_LENGTH_MM = 1.0
 _LOOK_S = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class RoughFrame:
-    """The tracker's frame in the world, good enough to aim: x_world = R x_tracker + t."""
-
-    rotation: FloatArray  # (3, 3)
-    translation_mm: FloatArray  # (3,)
-
-    def to_tracker(self, point_mm: FloatArray) -> FloatArray:
-        """Return a point of the world in the tracker's frame, shape (3,)."""
-        result: FloatArray = (point_mm - self.translation_mm) @ self.rotation
-        return result
-
-    def to_world(self, point_mm: Sequence[float]) -> FloatArray:
-        """Return a point of the tracker's frame in the world, shape (3,)."""
-        result: FloatArray = self.rotation @ np.array(point_mm) + self.translation_mm
-        return result
 
 
 async def locate_tracker(
@@ -112,9 +102,8 @@ async def _try_places(
 
 async def _look(tracker: PointTracker, place: FloatArray, radius_mm: float) -> FloatArray | None:
     """Return the reflector near `place`, None where there is none."""
-    x, y, z = (float(value) for value in place)
     try:
-        await tracker.find_reflector((x, y, z), search_radius_mm=radius_mm)
+        await tracker.find_reflector(as_vector(place), search_radius_mm=radius_mm)
         reading = await tracker.measure_point(duration_s=_LOOK_S)
     # No reflector there. A lost link is another error, and is not taken for an empty place.
     except MeasurementFailedError:
@@ -206,14 +195,8 @@ class FixedNests:
         """Return a point of the tracker's frame in the world, as far as its place is known by now."""
         situation = self._logbook.situation
         # For a picture an old place is better than none.
-        known = situation.registration or situation.last_known
-        if known is None and self._rough is None:
-            return None
-        place = (
-            to_world(known, np.array(point_mm)) if known else cast(RoughFrame, self._rough).to_world(point_mm)
-        )
-        x, y, z = (float(value) for value in place)
-        return x, y, z
+        known = situation.registration or situation.last_known or self._rough
+        return None if known is None else as_vector(to_world(known, np.array(point_mm)))
 
     def begin_step(self) -> None:
         """Forget the readings of an earlier step."""
@@ -263,12 +246,10 @@ class FixedNests:
 
     def _expected(self, fixed_nest: int) -> FloatArray:
         centre: FloatArray = self._certified[fixed_nest - 1]
-        registration = self._logbook.situation.registration
-        if registration is not None:
-            return to_tracker(registration, centre)
-        if self._rough is None:
+        known = self._logbook.situation.registration or self._rough
+        if known is None:
             raise AttentionNeededError(message("session.nests.not_located"))
-        return self._rough.to_tracker(centre)
+        return to_tracker(known, centre)
 
     def _record(self, step: ReadFixedNest, reading: TrackerReading) -> FixedNestTaken:
         world = None
@@ -276,8 +257,7 @@ class FixedNests:
         # Only a look is compared with the world; readings of a registration make it, and would be compared
         # with the one before.
         if registration is not None and step.phase == "reference":
-            x, y, z = (float(value) for value in to_world(registration, np.array(reading.point_mm)))
-            world = (x, y, z)
+            world = as_vector(to_world(registration, np.array(reading.point_mm)))
         return FixedNestTaken(
             phase=step.phase,
             fixed_nest=step.fixed_nest,

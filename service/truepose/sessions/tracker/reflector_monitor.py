@@ -16,7 +16,7 @@ import numpy as np
 
 from truepose.domain.session import PlannedStop, SessionPlan, Vector
 from truepose.sessions.engine.ledger import Logbook
-from truepose.sessions.engine.nominal_arm import nest_in_world
+from truepose.sessions.engine.nominal_arm import as_vector, nest_in_world
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.execution import Execution
 from truepose.sessions.tracker.state import TrackerSituation
@@ -192,10 +192,7 @@ class Watch:
 
     def _delta(self, seen_mm: Vector, aim: ExpectedReflector) -> Vector | None:
         world = self._execution.in_world(seen_mm)
-        if world is None:
-            return None
-        x, y, z = np.subtract(world, aim.expected_mm).tolist()
-        return x, y, z
+        return None if world is None else as_vector(np.subtract(world, aim.expected_mm))
 
     def _aim(self) -> ExpectedReflector | None:
         fixed_nest = self._execution.fixed_nest
@@ -214,5 +211,5 @@ class Watch:
 
 def expected_at(stop: PlannedStop, plan: SessionPlan, cell: SessionCell) -> ExpectedReflector:
     """Return where the reflector of a stop is expected by the nominal model."""
-    x, y, z = nest_in_world(cell.robot, cell.base, cell.nests, stop.joints_rad, stop.nest).tolist()
-    return ExpectedReflector((x, y, z), plan.search_radius_mm, config=stop.config, nest=stop.nest)
+    place = nest_in_world(cell.robot, cell.base, cell.nests, stop.joints_rad, stop.nest)
+    return ExpectedReflector(as_vector(place), plan.search_radius_mm, config=stop.config, nest=stop.nest)

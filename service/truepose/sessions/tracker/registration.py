@@ -216,13 +216,21 @@ def _scale(
     return scale_of_figure(turned, certified, readings + certificates)
 
 
-def to_world(registration: Registration, point_mm: FloatArray) -> FloatArray:
+@dataclass(frozen=True, slots=True)
+class RoughFrame:
+    """The tracker's frame in the world, good enough to aim: x_world = R x_tracker + t."""
+
+    rotation: FloatArray  # (3, 3)
+    translation_mm: FloatArray  # (3,)
+
+
+def to_world(frame: Registration | RoughFrame, point_mm: FloatArray) -> FloatArray:
     """Return points of the tracker's frame in the world, shape (..., 3)."""
-    result: FloatArray = point_mm @ registration.rotation.T + registration.translation_mm
+    result: FloatArray = point_mm @ frame.rotation.T + frame.translation_mm
     return result
 
 
-def to_tracker(registration: Registration, point_mm: FloatArray) -> FloatArray:
+def to_tracker(frame: Registration | RoughFrame, point_mm: FloatArray) -> FloatArray:
     """Return points of the world in the tracker's frame, shape (..., 3)."""
-    result: FloatArray = (point_mm - registration.translation_mm) @ registration.rotation
+    result: FloatArray = (point_mm - frame.translation_mm) @ frame.rotation
     return result

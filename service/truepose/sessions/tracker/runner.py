@@ -7,30 +7,25 @@
 - After a record was refused a person confirms before the next motion.
 """
 
-from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
-from truepose.domain.session import IdentityTaken, PlannedStop, Progress, SessionPlan, SessionState
+from truepose.domain.session import IdentityTaken, PlannedStop, SessionPlan, SessionState
 from truepose.messages.message import Message, Text, message, together
-from truepose.sessions.engine.arm import Arm
-from truepose.sessions.engine.commands import HALTS, CommandName, CommandOutcome, OperatorCommand
-from truepose.sessions.engine.halts import Halts
-from truepose.sessions.engine.interlocks import end_of_motion
+from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.engine.ledger import Ledger, Logbook
 from truepose.sessions.engine.prompts import CELL_CLEAR, require_person
-from truepose.sessions.engine.runner import Onlooker, is_interruption
+from truepose.sessions.engine.runner import Onlooker
 from truepose.sessions.engine.states import has_ended, words
-from truepose.sessions.engine.unattended import UnattendedRunner
-from truepose.sessions.engine.ways import KnownWays
-from truepose.sessions.errors import MotionForbiddenError, NotNowError, SessionError
+from truepose.sessions.engine.unattended import Line, UnattendedRunner, awaits_person
+from truepose.sessions.errors import NotNowError, SessionError
 from truepose.sessions.tracker.cell import SessionCell
 from truepose.sessions.tracker.dry_run import check_plan, first_pass, motion_limits, obstructions_ahead
 from truepose.sessions.tracker.execution import Execution
-from truepose.sessions.tracker.faults import Line, lines_after
+from truepose.sessions.tracker.faults import lines_after
 from truepose.sessions.tracker.reflector_monitor import Sighting, Watch
 from truepose.sessions.tracker.revisions import REVISIONS, revision
 from truepose.sessions.tracker.state import TrackerRecord, TrackerSituation, situation_of
@@ -72,18 +67,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
 
         logbook = Logbook(ledger, cell.clock, record, describe, entries)
         self._check(plan, logbook.situation)
-        halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
-        super().__init__(logbook, halts, cell.robot_controller)
-        self._ways = KnownWays(cell.look_at_ways)
-        self._arm = Arm(
-            cell.robot_controller,
-            cell.clock,
-            cell.robot,
-            limits,
-            plan.joint_tolerance_rad,
-            self._permission,
-            self._ways,
-        )
+        super().__init__(logbook, cell, limits, plan.joint_tolerance_rad, _EFFECTS)
         self._identities = TrackerIdentityCheck(cell.expected, logbook)
         self._execution = Execution(plan, cell, self._arm, logbook, self._identities)
         self._watch = Watch(plan, cell, logbook, self._execution)
@@ -163,25 +147,18 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
 
     async def do(self, act: OperatorCommand) -> CommandOutcome:
         """Do what an act asks for; raises NotNowError, ReasonMissingError."""
-        if act.name in HALTS:
-            return await self._halts.halt(act)
         if act.name in REVISIONS:
             return await self._revise(act)
-        if act.name is CommandName.START:
-            return self._asked_now()
+        done = await super().do(act)
+        if act.name is CommandName.RESUME:
+            return replace(done, sentence=message("session.done.begins_again"))
+        return done
+
+    async def _go_on(self, act: OperatorCommand) -> int:
         self._identities.require_questioned(act.accepted_serial)
-        name, asked = tidy_name(act.person), self._record.reason
-        number = await self._logbook.enter(SessionState.RUNNING, message("session.went_on", person=name), act)
-        self._identities.permit(act.accepted_serial, name)
-        # Only once the line is on disk: a refused confirmation must not take back a halt.
-        self._halts.forget()
-        self._ways.confirm(asked)
-        # A person had the cell: where the arm stands now has been confirmed, and its last directions are
-        # unknown.
-        self._arm.forget()
-        if act.name is CommandName.CONFIRM:
-            return CommandOutcome(message("session.done.confirmed"), number)
-        return CommandOutcome(message("session.done.begins_again"), number)
+        number = await super()._go_on(act)
+        self._identities.permit(act.accepted_serial, tidy_name(act.person))
+        return number
 
     async def _revise(self, act: OperatorCommand) -> CommandOutcome:
         found = revision(act, self._plan, self._record, self.situation.step)
@@ -223,43 +200,26 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         else:
             await self._logbook.append(EntryKind.CONTROL, **line)
 
-    async def perform(self) -> None:
-        """Do the present step; after a fault the ledger says what is to be done about it."""
+    async def perform_step(self) -> None:
+        """Do the present step, once a person has let the arm go there."""
         now = self.situation
-        if self._halts.wish is not None:
-            return
-        if now.step is None:
-            await self._logbook.keep(self.settle)
-        elif now.step.stop in now.unasked:
+        if now.step is not None and now.step.stop in now.unasked:
             await self._ask(_what_comes(now, self._record), now.unasked)
-        else:
+        elif now.step is not None:
             await self._do(now.step)
 
-    async def _do(self, step: Step) -> None:
-        self._halts.moving = True
-        try:
-            lines = deque(await self._attempt(step))
-        finally:
-            self._halts.moving = False
-        await self._logbook.keep(lambda: self._conclude(lines))
+    async def let_go(self) -> None:
+        """Close both links, whichever failed: the step begins again with the opening of the instruments."""
+        await self._cell.tracker.close()
+        await self._cell.robot_controller.close()
 
-    async def _attempt(self, step: Step) -> Sequence[Line]:
+    def lines_after(self, error: SessionError | DriverError, step: Step) -> Sequence[Line]:
+        """Return what is put on record after a fault, as `faults` has it."""
+        moving = self._execution.is_moving
+        return tuple(lines_after(error, step, self.situation, self._plan, moving=moving))
+
+    async def operate(self, step: Step) -> Sequence[Line]:
         """Do the operations of a step; returns what is put on record at its end."""
-        try:
-            return await self._operate(step)
-        except (SessionError, DriverError) as error:
-            if isinstance(error, MotionForbiddenError) and self._halts.wish is not None:
-                return ()  # asked for between two looks
-            if is_interruption(error):
-                # Both, whichever failed: the step begins again with the opening of the instruments.
-                await self._cell.tracker.close()
-                await self._cell.robot_controller.close()
-            moving = self._execution.is_moving
-            return tuple(lines_after(error, step, self.situation, self._plan, moving=moving))
-
-    async def _operate(self, step: Step) -> Sequence[Line]:
-        progress = self._progress(step.title)
-        await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
         self._execution.begin_step()
         for operation in step.operations:
             # Between two operations, hence at the end of a motion: what is under way cannot be broken off.
@@ -269,7 +229,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
             # 0024).
             refused = self._logbook.interrupted
             if isinstance(operation, Move | KeepWorking) and refused is not None:
-                return (_confirm_again(refused),)
+                return (awaits_person(message("session.database.was_because", why=refused)),)
             await self._execution.perform(operation)
         ends_by_itself = step.kind in {StepKind.OPEN, StepKind.WARM, StepKind.LOOK}
         return (Line(EntryKind.ENDED, step.id),) if ends_by_itself else ()
@@ -278,26 +238,6 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         """Whether a person wants no reading here any more."""
         return step.stop is not None and step.stop.config in self._record.left_out
 
-    def _progress(self, doing: Text) -> Progress:
-        return replace(self.progress, doing=doing)
-
-    async def _conclude(self, lines: deque[Line]) -> None:
-        """Put on record how a step ended, once; a halt that was asked for meanwhile takes effect."""
-        ends = self._halts.wish is SessionState.ABORTED
-        while lines:
-            line = lines[0]
-            if line.entered is None:
-                await self._logbook.append(line.kind, line.step_id, text=line.text)
-            # A question to a person who has ended the session would keep it from ending.
-            elif not ends:
-                said: dict[str, Any] = {"entered": line.entered, "text": line.text}
-                await self._logbook.append(line.kind, line.step_id, progress=self.progress, **said)
-                self._halts.wish = None  # it waits for a person, as was wished
-            # After the line is kept: where one is refused this is done again, from the line that is not kept
-            # yet.
-            lines.popleft()
-        await self.follow_step()
-
 
 def _what_comes(now: TrackerSituation, record: TrackerRecord) -> Message:
     """Say which configurations nobody has let the arm go to so far."""
@@ -305,9 +245,3 @@ def _what_comes(now: TrackerSituation, record: TrackerRecord) -> Message:
     if not wanted_again:
         return message("session.added_next")
     return message("session.wanted_next", n=len(wanted_again), named=tuple(map(str, wanted_again)))
-
-
-def _confirm_again(refused: Text) -> Line:
-    why = message("session.database.was_because", why=refused)
-    state = SessionState.AWAITING_CONFIRMATION
-    return Line(EntryKind.CONTROL, text=together(why, CELL_CLEAR), entered=state)

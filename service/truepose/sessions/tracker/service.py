@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from truepose.domain.cell import Cell
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import PlannedStop, SessionPlan
-from truepose.messages.message import Message, Text, message
+from truepose.messages.message import Text, message
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
 from truepose.planning.workspace.bodies import CellBodies, bodies_of, first_obstruction
-from truepose.planning.workspace.path_clearance import Ways, path_obstruction, path_warnings, ways_between
+from truepose.planning.workspace.path_clearance import path_obstruction, ways_between
 from truepose.sessions.engine.ledger import Ledger
 from truepose.sessions.engine.robot import WatchfulRobot
 from truepose.sessions.engine.states import has_ended, words
-from truepose.sessions.engine.ways import look_in
-from truepose.sessions.errors import NotNowError, PlanRefusedError
+from truepose.sessions.engine.ways import judged_ways, look_in, refuse_blocked
+from truepose.sessions.errors import NotNowError
 from truepose.sessions.kind_service import UnattendedSessionService
 from truepose.sessions.service import SessionService
 from truepose.sessions.tracker.cell import SessionCell
@@ -33,14 +33,14 @@ def path_warnings_of_plan(cell: Cell, plan: SessionPlan) -> Text:
     """Return what to watch on the ways of a plan; raises PlanRefusedError where this cell cannot do it."""
     require_fit(cell, plan)
     bodies = bodies_of(cell)
-    _refuse(first_obstruction(bodies, plan.stops, plan.approach_offset_rad))
-    return _watched(bodies, ways_between(plan.stops, plan.approach_offset_rad))
+    refuse_blocked(first_obstruction(bodies, plan.stops, plan.approach_offset_rad))
+    return judged_ways(bodies, ways_between(plan.stops, plan.approach_offset_rad))
 
 
 def judged_addition(cell: Cell, plan: SessionPlan, added: Sequence[PlannedStop]) -> Text:
     """Return what to watch on the ways to added stops; raises PlanRefusedError where one cannot be."""
     # With the last stop of the plan, from where the arm comes to the first that is added.
-    return _watched(bodies_of(cell), ways_between((*plan.stops[-1:], *added), plan.approach_offset_rad))
+    return judged_ways(bodies_of(cell), ways_between((*plan.stops[-1:], *added), plan.approach_offset_rad))
 
 
 def require_fit(cell: Cell, plan: SessionPlan, done: frozenset[int] = frozenset()) -> None:
@@ -53,18 +53,8 @@ def refuse_below_floor(
     bodies: CellBodies, stops: Sequence[PlannedStop], approach_offset_rad: float | None
 ) -> None:
     """Raise PlanRefusedError for the first stop, else the first way to one, that leads through the floor."""
-    _refuse(first_obstruction(bodies, stops, approach_offset_rad, floor_only=True))
-    _refuse(path_obstruction(bodies, ways_between(stops, approach_offset_rad), floor_only=True))
-
-
-def _watched(bodies: CellBodies, ways: Ways) -> Text:
-    _refuse(path_obstruction(bodies, ways))
-    return path_warnings(bodies, ways)
-
-
-def _refuse(blocked: Message | None) -> None:
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
+    refuse_blocked(first_obstruction(bodies, stops, approach_offset_rad, floor_only=True))
+    refuse_blocked(path_obstruction(bodies, ways_between(stops, approach_offset_rad), floor_only=True))
 
 
 WhenFinished = Callable[[int], Awaitable[None]]

@@ -226,7 +226,6 @@ class TrackerSituation(RunsByItself):
     interruptions: int  # of the present step
     since_first_s: float  # cell time from the first reading to the last line
     settled: bool  # what is left was left out, since drift has become slow
-    progress: Progress
 
     @property
     def leads_to(self) -> tuple[int, ...]:
@@ -236,10 +235,7 @@ class TrackerSituation(RunsByItself):
 
 def situation(plan: SessionPlan, n_fixed_nests: int, entries: Iterable[LedgerEntry]) -> TrackerSituation:
     """Return where a session stands after these lines of its ledger, oldest first."""
-    record = TrackerRecord()
-    for entry in entries:
-        record.apply(entry)
-    return situation_of(plan, n_fixed_nests, record)
+    return situation_of(plan, n_fixed_nests, TrackerRecord.of(entries))
 
 
 def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> TrackerSituation:

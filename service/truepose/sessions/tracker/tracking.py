@@ -16,6 +16,7 @@ from truepose.sessions.engine.identity_check import (
     sentence,
 )
 from truepose.sessions.engine.ledger import IdentityCheck
+from truepose.sessions.engine.nominal_arm import as_vector
 from truepose.sessions.errors import (
     ForeignInstrumentError,
     ForeignRobotError,
@@ -101,8 +102,7 @@ class CheckedTracker:
 
     async def find(self, place_mm: FloatArray, radius_mm: float) -> None:
         """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
-        x, y, z = (float(value) for value in place_mm)
-        await self._tracker.find_reflector((x, y, z), search_radius_mm=radius_mm)
+        await self._tracker.find_reflector(as_vector(place_mm), search_radius_mm=radius_mm)
 
     async def measure(self, duration_s: float, face: Literal[1, 2] = 1) -> TrackerReading:
         """Measure on `face`, turning to it first where the instrument stands on the other one."""

@@ -3,6 +3,9 @@
 import asyncio
 from pathlib import Path
 
+import pytest
+
+from tests.unit.service.sessions.tracker.fakes import FakeCell
 from truepose_drivers.contract.case import SimulatedTimeLoop
 
 _SERVICES = Path(__file__).parent
@@ -13,3 +16,8 @@ def pytest_asyncio_loop_factories(config, item):
     if item.path.parent == _SERVICES:
         return {"time of the wall": asyncio.new_event_loop}
     return {"simulated time": SimulatedTimeLoop}
+
+
+@pytest.fixture
+def cell():
+    return FakeCell()

@@ -3,6 +3,7 @@
 import asyncio
 
 from truepose_drivers.api import DeviceIdentity, MotionGuard, MotionLimits
+from truepose_drivers.errors import ConnectionLostError
 
 
 async def nothing_in_the_way(*_: object) -> str:
@@ -10,17 +11,14 @@ async def nothing_in_the_way(*_: object) -> str:
     return ""
 
 
-class Controller:
-    """Connected or not, with a serial number and the limits that it was given."""
+class Device:
+    """Connected or not, and says who it is."""
 
-    can_stop_motion = False
-    motion_guard = MotionGuard()
-
-    def __init__(self) -> None:
-        self.serial = "120-1"
+    def __init__(self, manufacturer: str, model: str, serial: str, firmware: str) -> None:
+        self._is = manufacturer, model
+        self._firmware = firmware
+        self.serial = serial
         self.connected = False
-        self.limits: MotionLimits | None = None
-        self.moves: list[tuple[float, ...]] = []
 
     async def connect(self) -> None:
         self.connected = True
@@ -29,10 +27,36 @@ class Controller:
         self.connected = False
 
     async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("ABB", "IRB 120", self.serial, "6.08")
+        return DeviceIdentity(*self._is, self.serial, self._firmware)
+
+
+class Controller(Device):
+    """A robot's, with the limits that it was given."""
+
+    can_stop_motion = False
+    motion_guard = MotionGuard()
+
+    def __init__(self) -> None:
+        super().__init__("ABB", "IRB 120", "120-1", "6.08")
+        self.limits: MotionLimits | None = None
+        self.moves: list[tuple[float, ...]] = []
 
     async def set_limits(self, limits: MotionLimits) -> None:
         self.limits = limits
+
+
+def refuse(device, name, error, when, *, once=False):
+    """Have a device raise an error where it is asked by `name` and `when` holds; a lost link is down then."""
+    asked, refused = getattr(device, name), []
+
+    async def answer(*given, **how):
+        if when(*given) and not (once and refused):
+            refused.append(error)
+            device.connected = not isinstance(error, ConnectionLostError)
+            raise error
+        return await asked(*given, **how)
+
+    setattr(device, name, answer)
 
 
 class FiniteDisk:

@@ -36,7 +36,7 @@ def until_pose():
 
 def scene(*entries):
     found = situation(PLAN, KIT, (START, *entries))
-    return found.step, scene_of(BallbarView(1, "six legs", SessionSetup(CELL), PLAN, found, None, None))
+    return found.step, scene_of(BallbarView("six legs", SessionSetup(CELL), PLAN, None, 1, found, None))
 
 
 def named(shown):

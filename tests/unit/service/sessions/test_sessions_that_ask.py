@@ -102,9 +102,10 @@ async def test_nobody_waits_for_a_session_that_is_over():
 
 async def test_of_ballbar_sessions_the_last_ones_and_the_one_under_way_are_remembered(monkeypatch):
     async def found(number):
-        return SimpleNamespace(name=f"session {number}", role="ballbar")
+        cell = SimpleNamespace(ballbar="a kit")
+        return SimpleNamespace(name=f"session {number}", role="ballbar", cell=cell)
 
-    monkeypatch.setattr(ballbar, "sight_of", lambda setup, plan: None)
+    monkeypatch.setattr(ballbar, "Sight", lambda setup, plan, kit: None)
     sessions = SimpleNamespace(get=found, setup=found, ballbar_plan=found)
     desk = SimpleNamespace(
         serve=lambda kind: None,

@@ -14,7 +14,7 @@ import pytest
 
 from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.ballbar import fakes as ballbar
-from tests.unit.service.sessions.ballbar.sessions import KIT, found, make_plan
+from tests.unit.service.sessions.ballbar.sessions import CUP, KIT, found, make_plan
 from tests.unit.service.sessions.contacts import fakes as contacts
 from tests.unit.service.sessions.tracker import fakes as tracker
 from tests.unit.service.sessions.tracker.test_camera_sessions import camera_cell
@@ -259,20 +259,6 @@ def plan_acts(robot, acts):
 NARROW = pytest.mark.parametrize("narrow", [False, True], ids=["roomy", "narrow"])
 
 
-@NARROW
-@pytest.mark.parametrize("acts", TRACKER_ACTS.values(), ids=TRACKER_ACTS)
-@pytest.mark.parametrize("kind", ["tracker", "camera"])
-async def test_a_session_of_configurations_goes_no_way_that_nobody_looked_at(kind, acts, narrow):
-    book = Book(narrow=narrow)
-    session = Unattended(kind, book)
-    plan_acts(session.robot, acts)
-
-    assert await session.to_the_end() is SessionState.FINISHED
-
-    assert book.unseen() == []
-    assert len(book.gone) > 5
-
-
 DRIFT_ACTS = {
     "nothing": {},
     "a pause at work": {9: ("press", act(PAUSE))},
@@ -282,19 +268,6 @@ DRIFT_ACTS = {
     "the program is killed at work, twice": {5: ("die",), 12: ("die",)},
     "work is left out": {9: ("press", act(SKIP, "stop-2"))},
 }
-
-
-@NARROW
-@pytest.mark.parametrize("acts", DRIFT_ACTS.values(), ids=DRIFT_ACTS)
-async def test_an_arm_that_keeps_itself_warm_goes_no_way_that_nobody_looked_at(acts, narrow):
-    book = Book(narrow=narrow)
-    session = Unattended("drift", book)
-    plan_acts(session.robot, acts)
-
-    assert await session.to_the_end() is SessionState.FINISHED
-
-    assert book.unseen() == []
-    assert len(book.gone) > 9
 
 
 CONTACT_ACTS = {
@@ -307,17 +280,23 @@ CONTACT_ACTS = {
 }
 
 
+ACTS_OF = {"tracker": TRACKER_ACTS, "camera": TRACKER_ACTS, "drift": DRIFT_ACTS, "contact": CONTACT_ACTS}
+UNATTENDED = {
+    f"{kind}, {what}": (kind, acts) for kind, of_kind in ACTS_OF.items() for what, acts in of_kind.items()
+}
+
+
 @NARROW
-@pytest.mark.parametrize("acts", CONTACT_ACTS.values(), ids=CONTACT_ACTS)
-async def test_a_session_of_gauges_goes_no_way_that_nobody_looked_at(acts, narrow):
+@pytest.mark.parametrize(("kind", "acts"), UNATTENDED.values(), ids=UNATTENDED)
+async def test_an_arm_that_nobody_stands_beside_goes_no_way_that_nobody_looked_at(kind, acts, narrow):
     book = Book(narrow=narrow)
-    session = Unattended("contact", book)
+    session = Unattended(kind, book)
     plan_acts(session.robot, acts)
 
     assert await session.to_the_end() is SessionState.FINISHED
 
     assert book.unseen() == []
-    assert len(book.gone) > 5
+    assert len(book.gone) > (9 if kind == "drift" else 5)
 
 
 @NARROW
@@ -361,11 +340,9 @@ class Attended:
 
     def __init__(self, plan, book):
         self.plan, self.book = plan, book
-        self.bench = ballbar.Bench(plan)
-        self.bench.cell = replace(
-            self.bench.cell, look_at_ways=book.look, look_past_fixture=lambda *told: book.look(told[-1])
+        self.bench = ballbar.Bench(
+            plan, look_at_ways=book.look, look_past_fixture=lambda *told: book.look(told[-1])
         )
-        self.bench.runner = self.bench._runner()
         self.robot = Watched(self.bench.robot, book)
         self.robot.session = self
         moves = [step for step in steps(plan, KIT) if step.target_rad is not None]
@@ -419,7 +396,6 @@ class Attended:
 
 
 POSE = "placement-1/pose-{}/move".format
-CUP = "placement-1/cup-1/move"
 BALLBAR_ACTS = {
     "nothing": ({}, ()),
     "the link is lost": ({POSE(2): "lose_link"}, ()),

@@ -77,7 +77,7 @@ async def test_a_pre_calibration_waits_for_no_plan():
     work = BallbarWork(worker)
     planning = await wished(work)
 
-    precalibrating = asyncio.create_task(work.precalibrator(SETUP).precalibrate(BallbarPlan(()), ()))
+    precalibrating = asyncio.create_task(work.precalibrator(SETUP)(BallbarPlan(()), ()))
     await asyncio.sleep(0)
     await asyncio.sleep(0)
 

@@ -1,13 +1,14 @@
 """A cell with a ballbar, a person's hands and a robot that judges; all plain objects on one clock."""
 
 import asyncio
+import contextlib
 import heapq
 import math
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from itertools import count
 
 from tests.unit.service.sessions.ballbar.sessions import KIT, found, joints, make_pose
-from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk, nothing_in_the_way
+from tests.unit.service.sessions.stand_ins import Controller, Device, FiniteDisk, nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
@@ -21,7 +22,7 @@ from truepose.sessions.ballbar.runner import BallbarRunner
 from truepose.sessions.ballbar.state import READINGS
 from truepose.sessions.engine.commands import CommandName, CommandOutcome, OperatorCommand
 from truepose.sessions.errors import ReasonMissingError
-from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading
+from truepose_drivers.api import BallbarReading, JointReading
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
 
 HOME = joints(0)
@@ -128,16 +129,14 @@ class Hands:
         return 0.8 * math.sin(7.0 * a + 3.0 * b + 11.0 * stop) + self.offset_mm
 
 
-class Bar:
+class Bar(Device):
     """A ballbar with a cable; its noise is a small pattern that repeats."""
 
     def __init__(self, clock: Clock, hands: Hands) -> None:
+        super().__init__("Renishaw", "QC20-W", "B-7", "1")
         self._clock = clock
         self._hands = hands
-        self.connected = False
         self.plugged = True
-        self.serial = "B-7"
-        self.asked = 0
         self.lost = ConnectionLostError
         self.wobble_mm = 0.0003
         self.temperature_c: float | None = 22.5
@@ -152,14 +151,7 @@ class Bar:
     async def connect(self) -> None:
         if not self.plugged:
             raise ConnectFailedError("no ballbar at this port; check the cable")
-        self.connected = True
-
-    async def close(self) -> None:
-        self.connected = False
-
-    async def identify(self) -> DeviceIdentity:
-        self.asked += 1
-        return DeviceIdentity("Renishaw", "QC20-W", self.serial, "1")
+        await super().connect()
 
     async def read(self) -> BallbarReading:
         if not self.plugged or not self.connected:
@@ -286,8 +278,13 @@ class Bench:
     """A session on these fakes, with a person who does as asked unless a test does otherwise."""
 
     def __init__(
-        self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...] = (), judges: Judges | None = None
+        self,
+        plan: BallbarPlan,
+        entries: tuple[LedgerEntry, ...] = (),
+        judges: Judges | None = None,
+        **cell,
     ) -> None:
+        """Run `plan`; `cell` is what the session is told otherwise of its cell."""
         self.plan = plan
         self._judges = judges
         self.clock = Clock()
@@ -299,9 +296,16 @@ class Bench:
         self.oracle = Oracle()
         self.suspect = Suspect(self.bar)
         self.keys = count()
-        self.cell = BallbarCell(
-            self.bar, self.robot, self.clock, IRB120, nothing_in_the_way, nothing_in_the_way, LIMITS
-        )
+        known = {
+            "ballbar": self.bar,
+            "robot_controller": self.robot,
+            "clock": self.clock,
+            "robot": IRB120,
+            "look_at_ways": nothing_in_the_way,
+            "look_past_fixture": nothing_in_the_way,
+            "joint_limits": LIMITS,
+        }
+        self.cell = BallbarCell(**known | cell)
         self.runner = self._runner()
         self.running: asyncio.Task[SessionState] | None = None
 
@@ -311,12 +315,20 @@ class Bench:
             KIT,
             self.cell,
             self.disk,
-            self.oracle,
+            lambda *asked: self.oracle.precalibrate(*asked),
             tuple(self.disk.entries),
             judges=self._judges or Judges(self.suspect.leg, self.suspect.pose),
             wall_ms=lambda: int(1000 * self.clock.time_s),
             breath_s=0.0,
         )
+
+    @contextlib.asynccontextmanager
+    async def at(self, step_id: str) -> AsyncIterator["Bench"]:
+        """Run the session, everything before a step done as it is asked."""
+        async with self:
+            await self.start()
+            await self.until(step_id)
+            yield self
 
     async def __aenter__(self) -> "Bench":
         self.running = asyncio.create_task(self.runner.run())
@@ -391,6 +403,13 @@ class Bench:
         except ReasonMissingError:
             assert self.hands.at is None, "an honest person does not say that it is off"
             await self.press(CommandName.CONFIRM, reason="it lies on the table")
+
+    async def replug(self, serial: str | None = None) -> None:
+        """Pull the cable of the ballbar and plug it in again, into one of another serial number if any."""
+        self.bar.plugged = False
+        await self.clock.advance(1.0)
+        self.bar.serial, self.bar.plugged = serial or self.bar.serial, True
+        await self.clock.advance(5.0)
 
     async def clear_hands(self, step_id: str) -> None:
         """Take the ballbar out of its cups on the way to a new connection, as a person must."""

@@ -32,6 +32,9 @@ KIT = BallbarKit(
     instrument=Artefact("ballbar", "B-7", "C-1", "2027-03-01"), calibrator=Artefact("calibrator", "K-2")
 )
 KIT_OF_FOUR = replace(KIT, base_points=4)
+CUP = "placement-1/cup-1/move"
+POSE = "placement-1/pose-1/move"  # with a stop on its way
+LEG, NEXT_LEG = "placement-1/pose-1/leg-1-2", "placement-1/pose-1/leg-2-1"
 
 
 def joints(number: float) -> tuple[float, ...]:
@@ -59,6 +62,9 @@ def make_plan(*configs: tuple[int, ...], n_cups: int = 3, **changes) -> BallbarP
     """One placement for each tuple of configurations."""
     placements = tuple(make_placement(p, c, n_cups) for p, c in enumerate(configs, start=1))
     return replace(BallbarPlan(placements), **changes)
+
+
+PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 
 
 def make_sphere_plan(stops: int, **changes) -> BallbarPlan:

@@ -1,11 +1,11 @@
 """A ballbar or a robot that is exchanged under a session: nothing is stored, nothing moves unasked."""
 
-from dataclasses import replace
+import contextlib
 
 import pytest
 
 from tests.unit.service.sessions.ballbar.fakes import Bench
-from tests.unit.service.sessions.ballbar.sessions import KIT, make_plan
+from tests.unit.service.sessions.ballbar.sessions import CUP, KIT, make_plan
 from truepose.domain.ballbar import StepKind
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import IdentityTaken, SessionState
@@ -18,11 +18,6 @@ from truepose_drivers.errors import NoReplyError
 
 A, B = "B-7", "B-9"
 SIDE = "tool/side-1-2"
-
-
-async def at_the_first_side(bench):
-    await bench.start()
-    await bench.until(SIDE)
 
 
 async def settled(bench):
@@ -43,18 +38,12 @@ async def accept(bench, serial=B):
 
 
 async def test_who_was_met_first_is_in_the_ledger():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
-
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         assert sorted(findings(bench)) == [("ballbar", "first", A, None), ("robot", "first", "120-1", None)]
 
 
 async def test_a_ballbar_that_the_cell_file_does_not_name_is_shown_and_not_stored():
-    bench = Bench(make_plan((1, 2)))
-    bench.cell = replace(bench.cell, expected=Expected({"ballbar": "B-1"}))
-    bench.runner = bench._runner()
-    async with bench:
-        await bench.start()
+    async with Bench(make_plan((1, 2)), expected=Expected({"ballbar": "B-1"})).at("tool/initialise") as bench:
         bench.hands.connect("calibrator")
         await bench.clock.advance(5.0)
 
@@ -66,8 +55,7 @@ async def test_a_ballbar_that_the_cell_file_does_not_name_is_shown_and_not_store
 
 
 async def test_one_that_is_exchanged_behind_a_link_that_stays_up_stops_at_the_next_store():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         stored = len(lengths(bench))
 
         bench.bar.serial = B
@@ -82,8 +70,7 @@ async def test_one_that_is_exchanged_behind_a_link_that_stays_up_stops_at_the_ne
 
 
 async def test_the_button_stores_nothing_of_another_one():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.clock.advance(0.1)  # asked at the step, and not again before a length is kept
         bench.hands.do_as_asked(SIDE)
         bench.bar.serial = B
@@ -96,30 +83,26 @@ async def test_the_button_stores_nothing_of_another_one():
 
 
 async def test_an_exchange_while_the_cable_was_out_is_questioned_when_it_is_back():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-
-        bench.bar.serial, bench.bar.plugged = B, True
-        await bench.clock.advance(5.0)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
+        await bench.replug(B)
 
         assert bench.now.ballbar.foreign.serial == B
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
 
 
-async def foreign_at_the_first_side(bench):
-    await at_the_first_side(bench)
-    bench.bar.serial = B
-    bench.hands.do_as_asked(SIDE)
-    await bench.clock.advance(5.0)
-    assert bench.now.state is SessionState.AWAITING_CONFIRMATION
+@contextlib.asynccontextmanager
+async def foreign_at(step_id):
+    """A session in which another ballbar answers at a step."""
+    async with Bench(make_plan((1, 2))).at(step_id) as bench:
+        bench.bar.serial = B
+        bench.hands.do_as_asked(step_id)
+        await bench.clock.advance(5.0)
+        assert bench.now.state is SessionState.AWAITING_CONFIRMATION
+        yield bench
 
 
 async def test_a_person_accepts_it_by_name_and_its_zero_is_read_anew():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
-
+    async with foreign_at(SIDE) as bench:
         await accept(bench)
 
         assert findings(bench)[-1] == ("ballbar", "accepted", B, "Eva")
@@ -131,8 +114,7 @@ async def test_a_person_accepts_it_by_name_and_its_zero_is_read_anew():
 
 
 async def test_it_has_no_certificate_and_counts_with_the_uncertainty_of_one_without():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.until("tool/side-2-3")
         certified = lengths(bench)[-1]
         bench.bar.serial = B
@@ -150,9 +132,7 @@ async def test_it_has_no_certificate_and_counts_with_the_uncertainty_of_one_with
 
 
 async def test_a_confirmation_that_names_no_number_or_another_accepts_nothing():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
-
+    async with foreign_at(SIDE) as bench:
         with pytest.raises(NotNowError, match="accept B-9"):
             await bench.press(CommandName.CONFIRM)
         with pytest.raises(NotNowError, match="nothing was accepted"):
@@ -163,8 +143,7 @@ async def test_a_confirmation_that_names_no_number_or_another_accepts_nothing():
 
 
 async def test_nothing_is_accepted_that_nobody_asked_about():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.press(CommandName.STOP)
 
         with pytest.raises(NotNowError, match="nothing was accepted"):
@@ -172,9 +151,7 @@ async def test_nothing_is_accepted_that_nobody_asked_about():
 
 
 async def test_one_that_is_put_back_closes_the_question_and_its_zero_is_read_anew():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
-
+    async with foreign_at(SIDE) as bench:
         bench.bar.serial = A
         await settled(bench)
 
@@ -188,8 +165,7 @@ async def test_one_that_is_put_back_closes_the_question_and_its_zero_is_read_ane
 
 
 async def test_two_that_are_swapped_and_swapped_back_are_questioned_both_times():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
+    async with foreign_at(SIDE) as bench:
         await accept(bench)
         await bench.until("tool/side-2-3")
 
@@ -209,9 +185,7 @@ async def test_two_that_are_swapped_and_swapped_back_are_questioned_both_times()
 
 
 async def test_the_question_survives_a_restart_and_so_does_the_answer():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
-
+    async with foreign_at(SIDE) as bench:
         await bench.restart()
         await settled(bench)
         assert B in english(bench.now.question)
@@ -229,13 +203,9 @@ async def test_the_question_survives_a_restart_and_so_does_the_answer():
 
 
 async def test_while_paused_it_is_noted_and_asked_about_when_the_session_goes_on():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.press(CommandName.PAUSE)
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-        bench.bar.serial, bench.bar.plugged = B, True
-        await bench.clock.advance(5.0)
+        await bench.replug(B)
 
         assert bench.now.state is SessionState.PAUSED
         assert B in english(bench.now.question)
@@ -244,15 +214,9 @@ async def test_while_paused_it_is_noted_and_asked_about_when_the_session_goes_on
 
 
 async def test_nothing_moves_while_another_one_is_in_question():
-    async with Bench(make_plan((1, 2))) as bench:
-        await bench.start()
-        while bench.now.step.kind is not StepKind.MOVE:
-            await bench.do()
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-        bench.bar.serial, bench.bar.plugged = B, True
+    async with Bench(make_plan((1, 2))).at(CUP) as bench:
         bench.hands.connect("calibrator")
-        await bench.clock.advance(5.0)
+        await bench.replug(B)
 
         with pytest.raises(NotNowError):
             await bench.press(CommandName.CONFIRM)
@@ -261,25 +225,16 @@ async def test_nothing_moves_while_another_one_is_in_question():
 
 
 async def test_one_that_never_tells_its_number_is_never_questioned():
-    bench = Bench(make_plan((1, 2)))
+    bench = Bench(make_plan((1, 2)), expected=Expected({"ballbar": A}))
     bench.bar.serial = "unknown"
-    bench.cell = replace(bench.cell, expected=Expected({"ballbar": A}))
-    bench.runner = bench._runner()
-    async with bench:
-        await bench.start()
-        await bench.until("tool/side-2-3")
-
+    async with bench.at("tool/side-2-3"):
         assert [f for f in findings(bench) if f[0] == "ballbar"] == []
         assert {(t.instrument_serial, t.certificate) for t in lengths(bench)} == {(A, "C-1")}
 
 
 async def test_one_that_falls_silent_is_noted_and_measures_on_without_a_certificate():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-        bench.bar.serial, bench.bar.plugged = "unknown", True
-        await bench.clock.advance(5.0)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
+        await bench.replug("unknown")
         await bench.until("tool/side-2-3")
 
         assert bench.now.state is SessionState.RUNNING
@@ -288,22 +243,15 @@ async def test_one_that_falls_silent_is_noted_and_measures_on_without_a_certific
 
 
 async def test_the_number_of_a_cable_is_not_that_of_the_gauge_behind_it():
-    bench = Bench(make_plan((1, 2)))
-    bench.bar.serial = "70012345"
-    bench.cell = replace(
-        bench.cell, expected=Expected({"ballbar": "70012345"}), ballbar_device_serial="70012345"
-    )
-    bench.runner = bench._runner()
-    async with bench:
-        await bench.start()
-        await bench.until("tool/side-2-3")
-
+    cable = "70012345"
+    bench = Bench(make_plan((1, 2)), expected=Expected({"ballbar": cable}), ballbar_device_serial=cable)
+    bench.bar.serial = cable
+    async with bench.at("tool/side-2-3"):
         assert {(t.instrument_serial, t.certificate) for t in lengths(bench)} == {(A, "C-1")}
 
 
 async def test_a_ballbar_that_does_not_answer_who_it_is_stores_nothing():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.clock.advance(0.1)
         bench.hands.do_as_asked(SIDE)
 
@@ -318,8 +266,7 @@ async def test_a_ballbar_that_does_not_answer_who_it_is_stores_nothing():
 
 
 async def test_another_robot_is_refused_however_often_somebody_confirms():
-    async with Bench(make_plan((1, 2))) as bench:
-        await at_the_first_side(bench)
+    async with Bench(make_plan((1, 2))).at(SIDE) as bench:
         await bench.press(CommandName.STOP)
         bench.robot.serial = "120-2"
 
@@ -334,10 +281,7 @@ async def test_another_robot_is_refused_however_often_somebody_confirms():
 
 
 async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move():
-    async with Bench(make_plan((1, 2))) as bench:
-        await bench.start()
-        while bench.now.step.kind is not StepKind.MOVE:
-            await bench.do()
+    async with Bench(make_plan((1, 2))).at(CUP) as bench:
         bench.robot.serial = "120-2"
 
         await bench.press(CommandName.CONFIRM)
@@ -349,8 +293,7 @@ async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move():
 
 
 async def test_every_length_of_a_session_with_two_ballbars_counts_from_a_zero_of_its_own():
-    async with Bench(make_plan((1, 2))) as bench:
-        await foreign_at_the_first_side(bench)
+    async with foreign_at(SIDE) as bench:
         await accept(bench)
         await bench.until("placement-1/place")
 
@@ -365,9 +308,7 @@ async def test_every_length_of_a_session_with_two_ballbars_counts_from_a_zero_of
 
 
 async def test_another_one_shows_nothing_of_where_the_one_before_is():
-    async with Bench(make_plan((1, 2))) as bench:
-        await bench.start()
-        await bench.until("tool/detach")
+    async with Bench(make_plan((1, 2))).at("tool/detach") as bench:
         bench.bar.serial = B
         bench.hands.hold()  # B; the one before is between two balls
         with pytest.raises(NotNowError):  # it is asked who it is
@@ -384,10 +325,7 @@ async def test_another_one_shows_nothing_of_where_the_one_before_is():
 
 
 async def test_another_robot_that_is_on_record_does_not_move():
-    async with Bench(make_plan((1, 2))) as bench:
-        await bench.start()
-        while bench.now.step.kind is not StepKind.MOVE:
-            await bench.do()
+    async with Bench(make_plan((1, 2))).at(CUP) as bench:
         bench.robot.serial = "120-2"
         found = IdentityTaken("robot", "foreign", "120-2", "120-1")
         await bench.runner._logbook.append(EntryKind.CONTROL, text="Another robot answers.", identity=found)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tests.unit.service.sessions.stand_ins import nothing_in_the_way
+from tests.unit.service.sessions.stand_ins import Device, nothing_in_the_way
 from tests.unit.service.sessions.tracker.fakes import IRB120, NESTS, FakeClock, FakeRobot, ListLedger
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan, Target, TargetKind
@@ -13,7 +13,7 @@ from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.plan_request import ContactPlanRequest
 from truepose.sessions.contact.measuring import ContactCell, GaugeBox
 from truepose.sessions.engine.nominal_arm import nominal_chain
-from truepose_drivers.api import BallbarReading, DeviceIdentity
+from truepose_drivers.api import BallbarReading
 from truepose_drivers.errors import ConnectionLostError
 
 RADII_MM = 16.0
@@ -26,29 +26,19 @@ def planned(stops: int = 6, **changes) -> ContactPlan:
     return plan_of(CELL, ContactPlanRequest("probe", (SPHERE,), stops, nest=2, **changes))
 
 
-class FakeProbe:
+class FakeProbe(Device):
     """A gauge in the tool that touches the sphere, which stands beside its place."""
 
     def __init__(self, clock: FakeClock, robot: FakeRobot) -> None:
+        super().__init__("Acme", "probe", "unknown", "1")
         self._clock = clock
         self._robot = robot
         self.centre_mm = np.add(SPHERE.place_mm, (0.8, -0.6, 0.5))
-        self.serial = "unknown"
         self.sign = 1.0
-        self.connected = False
         self.signal = "good"
         self.lost_after: int | None = None  # readings
         self.readings = 0
         self.deepest_mm = -math.inf
-
-    async def connect(self) -> None:
-        self.connected = True
-
-    async def close(self) -> None:
-        self.connected = False
-
-    async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("Acme", "probe", self.serial, "1")
 
     async def read(self) -> BallbarReading:
         self.readings += 1
@@ -84,9 +74,14 @@ class Bench:
         self.journal = ListLedger()
 
     def cell(self, **changes) -> ContactCell:
-        boxes = (GaugeBox("probe", self.probe, changes.pop("gauge_serial", "")),)
-        look = changes.pop("look_at_ways", nothing_in_the_way)
-        return ContactCell(boxes, self.robot, self.clock, IRB120, look, **changes)
+        known = {
+            "gauges": (GaugeBox("probe", self.probe, changes.pop("gauge_serial", "")),),
+            "robot_controller": self.robot,
+            "clock": self.clock,
+            "robot": IRB120,
+            "look_at_ways": nothing_in_the_way,
+        }
+        return ContactCell(**known | changes)
 
     @property
     def read(self):

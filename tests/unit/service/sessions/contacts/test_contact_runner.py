@@ -2,12 +2,14 @@
 
 import asyncio
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from tests.helpers.domain import asking
 from tests.unit.service.sessions.contacts.fakes import RADII_MM, Bench, planned
+from tests.unit.service.sessions.tracker import operators
 from tests.unit.service.sessions.tracker.fakes import IRB120
 from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.domain.robot import FramePlacement, JointRange
@@ -27,15 +29,7 @@ from truepose_drivers.errors import (
 )
 
 PLAN = planned()
-
-
-async def until(condition):
-    """Let other tasks run until `condition` holds; a stop takes some hundred turns of the event loop."""
-    for _ in range(20_000):
-        if condition():
-            return
-        await asyncio.sleep(0)
-    raise AssertionError("the session never came to that")
+until = partial(operators.until, turns=20_000)  # a stop takes some hundred turns of the event loop
 
 
 @pytest.fixture
@@ -51,6 +45,16 @@ async def run(bench, patience=10, plan=PLAN, **changes):
     operator = PatientOperator(patience)
     state = await operator.attend_from_the_start(runner_of(bench, plan, **changes))
     return state, operator.questions
+
+
+async def confirmed(bench):
+    """Begin a session and confirm all that it asks; return it with its task."""
+    runner = runner_of(bench)
+    task = asyncio.create_task(runner.run())
+    for _ in Question:
+        await until(lambda: runner.prompt is not None)
+        await asking.confirm(runner, "Eva")
+    return runner, task
 
 
 def at(joints):
@@ -262,11 +266,7 @@ async def test_an_arm_that_could_not_leave_its_target_leaves_by_the_same_way_aft
     begun = refuse_once(
         bench, bench.robot, "move_joints", BusyError("somebody drives the robot"), lambda _: bool(refused)
     )
-    runner = runner_of(bench)
-    task = asyncio.create_task(runner.run())
-    for _ in Question:
-        await until(lambda: runner.prompt is not None)
-        await asking.confirm(runner, "Eva")
+    runner, task = await confirmed(bench)
     await until(lambda: runner.state is SessionState.PAUSED)
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
@@ -363,11 +363,7 @@ async def test_a_session_that_was_restarted_before_its_fixture_stood_asks_for_th
 
 
 async def test_a_pause_while_the_arm_creeps_is_kept_and_nothing_moves_until_it_is_resumed(bench):
-    runner = runner_of(bench)
-    task = asyncio.create_task(runner.run())
-    for _ in Question:
-        await until(lambda: runner.prompt is not None)
-        await asking.confirm(runner, "Eva")
+    runner, task = await confirmed(bench)
     bench.robot.before_move = lambda: asking.pause(runner, "Eva")
 
     await until(lambda: runner.state is SessionState.PAUSED)

@@ -1,6 +1,5 @@
 """A motion that cannot be stopped goes out in pieces: the same way, the same side, and a halt after each."""
 
-import asyncio
 import math
 from itertools import pairwise
 
@@ -9,8 +8,8 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.unit.service.sessions.stand_ins import nothing_in_the_way
-from tests.unit.service.sessions.tracker.fakes import IRB120, FakeCell, FakeClock, FakeRobot, make_plan
-from tests.unit.service.sessions.tracker.operators import PatientOperator, until
+from tests.unit.service.sessions.tracker.fakes import IRB120, FakeClock, FakeRobot, make_plan
+from tests.unit.service.sessions.tracker.operators import PatientOperator, begun, until
 from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -19,7 +18,6 @@ from truepose.sessions.engine.interlocks import motion_notice
 from truepose.sessions.engine.nominal_arm import nominal_chain
 from truepose.sessions.engine.ways import KnownWays
 from truepose.sessions.errors import MotionForbiddenError
-from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_drivers.api import MotionGuard, MotionLimits
 
 SLOW = MotionLimits(20.0, math.radians(3.0))
@@ -208,12 +206,9 @@ async def test_an_arm_that_does_not_say_where_all_its_joints_are_is_not_at_rest(
     assert robot.moves == []
 
 
-async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
-    cell = FakeCell()
+async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later(cell):
     cell.robot.motion_guard = MotionGuard(longest_piece_s=1.0)
-    runner = TrackerRunner(make_plan(1, tool_speed_mm_s=20.0), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.prompt is not None)
+    runner, running = await begun(cell, make_plan(1, tool_speed_mm_s=20.0))
     said = []
 
     async def pause():

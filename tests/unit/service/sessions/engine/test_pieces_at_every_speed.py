@@ -74,10 +74,8 @@ async def with_a_camera(limits):
 
 
 async def with_a_ballbar(limits):
-    bench = ballbar.Bench(make_ballbar_plan((1,), stable_s=0.2, settle_s=0.1))
+    bench = ballbar.Bench(make_ballbar_plan((1,), stable_s=0.2, settle_s=0.1), speed_limits=limits)
     bench.robot.motion_s = 0.0
-    bench.cell = replace(bench.cell, speed_limits=limits)
-    bench.runner = bench._runner()
     motions = timed(bench.robot)
     async with bench:
         await bench.start()

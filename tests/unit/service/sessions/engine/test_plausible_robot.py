@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
+from tests.unit.service.sessions.tracker.fakes import make_plan
 from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
@@ -51,8 +51,7 @@ def test_what_the_driver_says_of_its_motions_is_reached():
     assert WatchfulRobot(Controller(0.0), None).motion_guard == Controller.motion_guard
 
 
-async def test_a_joint_out_of_range_has_the_session_wait_for_a_person():
-    cell = FakeCell()
+async def test_a_joint_out_of_range_has_the_session_wait_for_a_person(cell):
     a_turn = (JointRange(-2.0 * math.pi, 2.0 * math.pi),) * 6
     cell.cell = replace(cell.cell, robot_controller=WatchfulRobot(cell.robot, a_turn))
     read = cell.robot.read_joints

@@ -3,12 +3,12 @@
 import asyncio
 import math
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from tests.unit.service.sessions.stand_ins import Controller, FiniteDisk, nothing_in_the_way
+from tests.unit.service.sessions.stand_ins import Controller, Device, FiniteDisk, nothing_in_the_way
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -30,7 +30,6 @@ from truepose.messages.catalogue import english
 from truepose.sessions.engine.nominal_arm import nest_in_world
 from truepose.sessions.tracker.cell import SessionCell
 from truepose_drivers.api import (
-    DeviceIdentity,
     Environment,
     JointReading,
     TrackerReading,
@@ -109,10 +108,11 @@ def _nests_at(joints_rad: tuple[float, ...]) -> FloatArray:
     return np.array([nest_in_world(IRB120, FramePlacement(), NESTS, joints_rad, nest) for nest in (1, 2, 3)])
 
 
-class FakeTracker:
+class FakeTracker(Device):
     """Sees the fixed nests and the reflectors on the arm, from a frame of its own."""
 
     def __init__(self, clock: FakeClock, robot: FakeRobot, *, azimuth_rad: float, noise_mm: float) -> None:
+        super().__init__("Leica", "AT401", "390001", "3.8")
         self._clock = clock
         self._robot = robot
         self._rotation = rotation_xyz(0.005, -0.004, azimuth_rad)  # tracker to world
@@ -122,8 +122,6 @@ class FakeTracker:
         self.at = np.array(TRACKER_AT)
         self.arm_error_mm = np.array([1.5, -2.0, 1.0])  # what calibration is there to find
         self.fixed_nests = np.array([nest.centre_mm for nest in FIXED_NESTS])
-        self.serial = "390001"
-        self.connected = False
         self.initialised = 0
         self.face = 1
         self.settings = ""  # what it says that it measures with
@@ -137,15 +135,6 @@ class FakeTracker:
         self.measurements = 0
         self.rms_mm = 0.02
         self.stated_mm = noise_mm or math.nan
-
-    async def connect(self) -> None:
-        self.connected = True
-
-    async def close(self) -> None:
-        self.connected = False
-
-    async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("Leica", "AT401", self.serial, "3.8")
 
     async def initialise(self) -> None:
         self.initialised += 1
@@ -204,19 +193,12 @@ class FakeTracker:
 
 
 class ListLedger(FiniteDisk):
-    """Keeps lines, and what they say in lists of each kind; the methods of each kind may be replaced."""
+    """Keeps lines, and tells what they say of each kind; `before` is done before a line is kept."""
 
     def __init__(self) -> None:
         super().__init__()
         self.entries: list[LedgerEntry] = []
-        self.states: list[tuple[SessionState, str, str | None]] = []
-        self.points: list[PointTaken] = []
-        self.fixed: list[FixedNestTaken] = []
-        self.skipped: list[StopSkipped] = []
-        self.registrations: list[Registration] = []
-        self.progress: list[Progress] = []
-        self.notes: list[str] = []
-        self.identities: list[IdentityTaken] = []
+        self.before: Callable[[LedgerEntry], Awaitable[None]] | None = None
         self.full_disk_at: int | None = None  # number of the reading that cannot be kept
         self.refused = asyncio.Event()
 
@@ -224,69 +206,52 @@ class ListLedger(FiniteDisk):
         self.refused.clear()
         super().make_room()
 
-    def _require_room(self) -> None:
+    async def append(self, entry: LedgerEntry) -> int:
         if self.full:
             self.refused.set()
             raise RecordRefusedError("database or disk is full")
-
-    async def append(self, entry: LedgerEntry) -> int:
-        self._require_room()
-        if entry.point is not None:
-            await self.point_taken(entry.point)
-        if entry.fixed_nest is not None:
-            await self.fixed_nest_taken(entry.fixed_nest)
-        if entry.kind is EntryKind.SKIPPED:
-            config = config_of(entry.step_id)
-            assert config is not None
-            await self.stop_skipped(StopSkipped(config, entry.time_s, entry.text))
-        if entry.registration is not None:
-            await self.registered(entry.registration)
-        if entry.identity is not None:
-            await self.identified(entry.identity)
-        if entry.kind is EntryKind.NOTED:
-            await self.noted(entry.text)
-        if entry.entered is not None:
-            await self.state_changed(entry.entered, entry.text, entry.person)
-        if entry.progress is not None:
-            await self.progressed(entry.progress)
+        if entry.point is not None and self.full_disk_at == len(self.points):
+            raise OSError("no space left on the disk")
+        if self.before is not None:
+            await self.before(entry)
         self.entries.append(entry)
         return len(self.entries)
 
-    async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
-        self._require_room()
-        self.states.append((state, english(reason), person))
+    def _told(self, name: str) -> list[Any]:
+        return [said for entry in self.entries if (said := getattr(entry, name)) is not None]
 
-    async def point_taken(self, point: PointTaken) -> str:
-        self._require_room()
-        if self.full_disk_at == len(self.points):
-            raise OSError("no space left on the disk")
-        self.points.append(point)
-        return f"point-{len(self.points)}"
+    @property
+    def states(self) -> list[tuple[SessionState, str, str | None]]:
+        return [(e.entered, english(e.text), e.person) for e in self.entries if e.entered is not None]
 
-    async def fixed_nest_taken(self, reading: FixedNestTaken) -> str:
-        self._require_room()
-        self.fixed.append(reading)
-        return f"fixed-{len(self.fixed)}"
+    @property
+    def points(self) -> list[PointTaken]:
+        return self._told("point")
 
-    async def stop_skipped(self, skipped: StopSkipped) -> None:
-        self._require_room()
-        self.skipped.append(replace(skipped, reason=english(skipped.reason)))
+    @property
+    def fixed(self) -> list[FixedNestTaken]:
+        return self._told("fixed_nest")
 
-    async def registered(self, registration: Registration) -> None:
-        self._require_room()
-        self.registrations.append(registration)
+    @property
+    def registrations(self) -> list[Registration]:
+        return self._told("registration")
 
-    async def identified(self, taken: IdentityTaken) -> None:
-        self._require_room()
-        self.identities.append(taken)
+    @property
+    def identities(self) -> list[IdentityTaken]:
+        return self._told("identity")
 
-    async def progressed(self, progress: Progress) -> None:
-        self._require_room()
-        self.progress.append(progress)
+    @property
+    def progress(self) -> list[Progress]:
+        return self._told("progress")
 
-    async def noted(self, text: str) -> None:
-        self._require_room()
-        self.notes.append(english(text))
+    @property
+    def skipped(self) -> list[StopSkipped]:
+        lines = [entry for entry in self.entries if entry.kind is EntryKind.SKIPPED]
+        return [StopSkipped(config_of(e.step_id), e.time_s, english(e.text)) for e in lines]
+
+    @property
+    def notes(self) -> list[str]:
+        return [english(entry.text) for entry in self.entries if entry.kind is EntryKind.NOTED]
 
 
 class FakeCell:

@@ -66,9 +66,17 @@ async def run_session(
     return await (operator or PatientOperator()).attend_from_the_start(runner)
 
 
-async def until(condition: Callable[[], bool]) -> None:
+async def begun(cell: FakeCell, plan: SessionPlan) -> tuple[TrackerRunner, asyncio.Task[SessionState]]:
+    """Begin a session, and return it with its task once it asks its first question."""
+    runner = TrackerRunner(plan, cell.cell, cell.journal)
+    running = asyncio.create_task(runner.run())
+    await until(lambda: runner.prompt is not None)
+    return runner, running
+
+
+async def until(condition: Callable[[], bool], turns: int = _TURNS_WITHOUT_CHANGE) -> None:
     """Let other tasks run until `condition` holds; fails where it never does."""
-    for _ in range(_TURNS_WITHOUT_CHANGE):
+    for _ in range(turns):
         if condition():
             return
         await asyncio.sleep(0)

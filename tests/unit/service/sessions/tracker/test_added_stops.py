@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.helpers.machine import HANGS_S
-from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan, make_stop
+from tests.unit.service.sessions.tracker.fakes import make_plan, make_stop
 from tests.unit.service.sessions.tracker.operators import PatientOperator, until
 from truepose.domain.session import SessionState
 from truepose.sessions.errors import NotNowError, PlanRefusedError
@@ -34,10 +34,10 @@ class Shelf:
 class Session:
     """A session on a fake cell, with an operator who confirms what is asked."""
 
-    def __init__(self, n_stops=2, **changes):
-        self.cell = FakeCell()
+    def __init__(self, cell):
+        self.cell = cell
         self.operator = PatientOperator()
-        self.runner = TrackerRunner(make_plan(n_stops, **changes), self.cell.cell, self.cell.journal)
+        self.runner = TrackerRunner(make_plan(2), cell.cell, cell.journal)
         self.running = asyncio.create_task(self.runner.run())
 
     async def attended(self):
@@ -48,8 +48,12 @@ class Session:
         return [point.config for point in self.cell.journal.points]
 
 
-async def test_added_configurations_are_measured_after_the_others():
-    session = Session()
+@pytest.fixture
+async def session(cell):
+    return Session(cell)
+
+
+async def test_added_configurations_are_measured_after_the_others(session):
     shelf = Shelf()
     await session.runner.add_stops(ADDED, shelf)
 
@@ -61,8 +65,7 @@ async def test_added_configurations_are_measured_after_the_others():
     assert (session.runner.progress.planned, session.runner.progress.done) == (4, 4)
 
 
-async def test_the_fixed_nests_are_looked_at_once_more_after_them():
-    session = Session()
+async def test_the_fixed_nests_are_looked_at_once_more_after_them(session):
     await session.runner.add_stops(ADDED, Shelf())
 
     await session.attended()
@@ -72,8 +75,7 @@ async def test_the_fixed_nests_are_looked_at_once_more_after_them():
     assert {look.fixed_nest for look in looks} == {1, 2, 3}
 
 
-async def test_the_robot_does_not_go_there_before_a_person_has_confirmed():
-    session = Session()
+async def test_the_robot_does_not_go_there_before_a_person_has_confirmed(session):
     moves_when_asked = []
     session.operator.before_answer = lambda _: moves_when_asked.append(len(session.cell.robot.moves))
     await session.runner.add_stops(ADDED, Shelf())
@@ -85,8 +87,7 @@ async def test_the_robot_does_not_go_there_before_a_person_has_confirmed():
     assert "Is the cell clear" in session.operator.questions[1]
 
 
-async def test_what_is_added_while_the_question_is_open_is_asked_for_again():
-    session = Session()
+async def test_what_is_added_while_the_question_is_open_is_asked_for_again(session):
     late = (make_stop(13),)
     adding = []
 
@@ -103,8 +104,7 @@ async def test_what_is_added_while_the_question_is_open_is_asked_for_again():
     assert len([question for question in session.operator.questions if "were added" in question]) == 2
 
 
-async def test_a_paused_session_takes_more_and_asks_when_it_comes_to_them():
-    session = Session()
+async def test_a_paused_session_takes_more_and_asks_when_it_comes_to_them(session):
     session.cell.robot.before_move = pause_once(session)
 
     await session.attended()
@@ -123,8 +123,8 @@ def pause_once(session):
 
 
 @pytest.mark.parametrize("ending", ["finished", "aborted"])
-async def test_a_session_that_has_ended_takes_no_more(ending):
-    session, shelf = Session(), Shelf()
+async def test_a_session_that_has_ended_takes_no_more(ending, session):
+    shelf = Shelf()
     if ending == "aborted":
         await until(lambda: session.runner.prompt is not None)
         await asking.end(session.runner, "Ada")
@@ -136,8 +136,7 @@ async def test_a_session_that_has_ended_takes_no_more(ending):
     assert shelf.kept == 0
 
 
-async def test_nothing_is_added_while_the_session_ends():
-    session = Session()
+async def test_nothing_is_added_while_the_session_ends(session):
     refusals = []
 
     async def before_move():
@@ -163,9 +162,8 @@ async def test_nothing_is_added_while_the_session_ends():
         (make_stop(11, nest=9), "9"),
     ],
 )
-async def test_what_the_cell_cannot_do_is_refused_and_not_kept(stop, words):
-    session, shelf = Session(), Shelf()
-
+async def test_what_the_cell_cannot_do_is_refused_and_not_kept(stop, words, session):
+    shelf = Shelf()
     with pytest.raises(PlanRefusedError, match=words):
         await session.runner.add_stops((stop,), shelf)
 
@@ -174,9 +172,7 @@ async def test_what_the_cell_cannot_do_is_refused_and_not_kept(stop, words):
     assert session.measured() == [1, 2]
 
 
-async def test_what_could_not_be_kept_is_not_measured():
-    session = Session()
-
+async def test_what_could_not_be_kept_is_not_measured(session):
     with pytest.raises(OSError, match="no space"):
         await session.runner.add_stops(ADDED, Shelf(OSError("no space left on the disk")))
 
@@ -184,8 +180,7 @@ async def test_what_could_not_be_kept_is_not_measured():
     assert session.measured() == [1, 2]
 
 
-async def test_a_session_does_not_finish_while_more_is_being_kept():
-    session = Session()
+async def test_a_session_does_not_finish_while_more_is_being_kept(session):
     gate = asyncio.Event()
 
     async def slow():

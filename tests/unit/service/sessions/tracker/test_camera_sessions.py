@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.unit.service.sessions.stand_ins import Device
 from tests.unit.service.sessions.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session
 from truepose.domain.cell import Camera
@@ -22,7 +23,7 @@ from truepose.sessions.errors import PlanRefusedError
 from truepose.sessions.tracker.camera_measurement import stated_place
 from truepose.sessions.tracker.dry_run import check_plan, dry_run
 from truepose.sessions.tracker.runner import TrackerRunner
-from truepose_drivers.api import DeviceIdentity, PoseReading
+from truepose_drivers.api import PoseReading
 from truepose_drivers.errors import ArtefactNotSeenError, ConnectionLostError
 
 CENTRE = (75.0, 31.225, 155.0)
@@ -30,30 +31,20 @@ CAMERA = Camera((2200.0, 0.0, 900.0), (0.0, 0.0, 0.0), 4, 0.032, 4.7e-4, 4.2e-4)
 SHOWN = (*NESTS, Nest(CENTRE, 0.028))
 
 
-class FakeCamera:
+class FakeCamera(Device):
     """Sees the artefact on the arm, from where it stands by its cell file."""
 
     settings = ""
 
     def __init__(self, cell):
+        super().__init__("Northern Digital", "Polaris Vega VT", "P-1", "2.1")
         self._cell = cell
-        self.serial = "P-1"
-        self.connected = False
         self.initialised = 0
         self.measurements = 0
         self.faults = {}  # number of the measurement, from 0
         self.off_mm = np.zeros(3)  # of the artefact, world
         self.off_rad = np.zeros(3)
         self.changes = {}  # of every reading
-
-    async def connect(self):
-        self.connected = True
-
-    async def close(self):
-        self.connected = False
-
-    async def identify(self):
-        return DeviceIdentity("Northern Digital", "Polaris Vega VT", self.serial, "2.1")
 
     async def initialise(self):
         self.initialised += 1
@@ -89,14 +80,17 @@ def camera_cell():
     return fake
 
 
+@pytest.fixture
+def fake():
+    return camera_cell()
+
+
 def plan_of(n=3):
     stops = tuple(replace(make_stop(config), nest=4) for config in range(1, n + 1))
     return make_plan(stops=stops, measures="poses")
 
 
-async def test_each_stop_gives_the_pose_of_the_artefact_in_the_world_of_the_camera():
-    fake = camera_cell()
-
+async def test_each_stop_gives_the_pose_of_the_artefact_in_the_world_of_the_camera(fake):
     ended = await run_session(fake, plan_of())
 
     assert ended is SessionState.FINISHED
@@ -110,9 +104,7 @@ async def test_each_stop_gives_the_pose_of_the_artefact_in_the_world_of_the_came
     assert fake.journal.fixed == []
 
 
-async def test_the_camera_is_put_where_the_cell_file_says_and_nothing_is_measured_for_it():
-    fake = camera_cell()
-
+async def test_the_camera_is_put_where_the_cell_file_says_and_nothing_is_measured_for_it(fake):
     await run_session(fake, plan_of(1))
 
     (placed,) = fake.journal.registrations
@@ -124,8 +116,7 @@ async def test_the_camera_is_put_where_the_cell_file_says_and_nothing_is_measure
     assert (placed.instrument_serial, math.isnan(placed.rms_mm)) == ("P-1", True)
 
 
-async def test_an_instrument_that_states_no_fit_of_markers_is_believed():
-    fake = camera_cell()
+async def test_an_instrument_that_states_no_fit_of_markers_is_believed(fake):
     fake.camera.changes = {"rms_mm": math.nan}
 
     await run_session(fake, plan_of(1))
@@ -152,8 +143,7 @@ def test_an_upright_instrument_has_its_z_axis_up_and_looks_along_x():
         ({"changes": {"quaternion": (0.0, 0.0, 0.0, 0.0)}}, "not a pose"),
     ],
 )
-async def test_what_is_no_pose_of_this_artefact_at_rest_is_not_kept(change, said):
-    fake = camera_cell()
+async def test_what_is_no_pose_of_this_artefact_at_rest_is_not_kept(change, said, fake):
     for name, value in change.items():
         setattr(fake.camera, name, value)
     operator = PatientOperator(patience=1)
@@ -164,8 +154,7 @@ async def test_what_is_no_pose_of_this_artefact_at_rest_is_not_kept(change, said
     assert any(said in question for question in operator.questions)
 
 
-async def test_an_arm_that_errs_by_millimetres_is_what_the_session_is_for():
-    fake = camera_cell()
+async def test_an_arm_that_errs_by_millimetres_is_what_the_session_is_for(fake):
     fake.camera.off_mm = np.array([9.0, -9.0, 9.0])
 
     await run_session(fake, plan_of(1))
@@ -173,8 +162,7 @@ async def test_an_arm_that_errs_by_millimetres_is_what_the_session_is_for():
     assert len(fake.journal.points) == 1
 
 
-async def test_a_single_frame_has_no_scatter_to_be_judged_by():
-    fake = camera_cell()
+async def test_a_single_frame_has_no_scatter_to_be_judged_by(fake):
     fake.camera.changes = {"position_deviation_mm": (math.nan,) * 3, "frames": 1}
 
     await run_session(fake, plan_of(1))
@@ -182,8 +170,7 @@ async def test_a_single_frame_has_no_scatter_to_be_judged_by():
     assert len(fake.journal.points) == 1
 
 
-async def test_a_stop_whose_artefact_is_hidden_is_skipped_and_the_others_are_measured():
-    fake = camera_cell()
+async def test_a_stop_whose_artefact_is_hidden_is_skipped_and_the_others_are_measured(fake):
     fake.camera.faults[1] = ArtefactNotSeenError("the camera did not see the artefact")
 
     ended = await run_session(fake, plan_of(4))
@@ -193,8 +180,7 @@ async def test_a_stop_whose_artefact_is_hidden_is_skipped_and_the_others_are_mea
     assert [skipped.config for skipped in fake.journal.skipped] == [2]
 
 
-async def test_after_a_lost_link_the_camera_is_made_ready_anew_and_the_stop_begins_again():
-    fake = camera_cell()
+async def test_after_a_lost_link_the_camera_is_made_ready_anew_and_the_stop_begins_again(fake):
     fake.camera.faults[1] = ConnectionLostError("the cable was pulled")
 
     ended = await run_session(fake, plan_of(3))
@@ -204,21 +190,19 @@ async def test_after_a_lost_link_the_camera_is_made_ready_anew_and_the_stop_begi
     assert fake.camera.initialised == 2
 
 
-async def test_a_session_that_a_service_left_goes_on_where_it_ended():
-    fake = camera_cell()
+async def test_a_session_that_a_service_left_goes_on_where_it_ended(fake):
     await run_session(fake, plan_of(3))
     kinds = [entry.kind for entry in fake.journal.entries]
     left = tuple(fake.journal.entries[: kinds.index(EntryKind.MEASURED) + 1])
-    fake.journal.points = []
+    before = len(fake.journal.points)
 
     ended = await run_session(fake, plan_of(3), entries=left)
 
     assert ended is SessionState.FINISHED
-    assert [point.config for point in fake.journal.points] == [2, 3]
+    assert [point.config for point in fake.journal.points[before:]] == [2, 3]
 
 
-async def test_another_camera_measures_nothing_before_a_person_has_accepted_it():
-    fake = camera_cell()
+async def test_another_camera_measures_nothing_before_a_person_has_accepted_it(fake):
     plan, seen = plan_of(3), []
 
     async def exchange():
@@ -258,8 +242,6 @@ def test_a_pose_is_told_at_the_centre_of_the_artefact_and_nowhere_else():
         check_plan(elsewhere, IRB120, SHOWN, (), limits)
 
 
-def test_a_plan_of_poses_needs_a_camera():
-    fake = FakeCell()
-
+def test_a_plan_of_poses_needs_a_camera(cell):
     with pytest.raises(PlanRefusedError, match="no camera"):
-        TrackerRunner(plan_of(1), replace(fake.cell, nests=SHOWN), fake.journal)
+        TrackerRunner(plan_of(1), replace(cell.cell, nests=SHOWN), cell.journal)

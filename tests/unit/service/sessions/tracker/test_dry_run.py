@@ -9,7 +9,6 @@ from tests.unit.service.sessions.tracker.fakes import (
     FIXED_NESTS,
     IRB120,
     NESTS,
-    FakeCell,
     make_plan,
     make_stop,
 )
@@ -103,9 +102,7 @@ def test_a_robot_of_which_no_limits_are_known_does_not_move():
         motion_limits(replace(IRB120, calibration_ranges=None), None, make_plan())
 
 
-def test_a_runner_refuses_an_unfit_plan_at_once():
-    cell = FakeCell()
-
+def test_a_runner_refuses_an_unfit_plan_at_once(cell):
     with pytest.raises(PlanRefusedError):
         TrackerRunner(make_plan(stops=()), cell.cell, cell.journal)
 
@@ -119,8 +116,7 @@ def test_a_dry_run_counts_moves_and_readings():
     assert summary.readings == 46
 
 
-async def test_a_dry_run_announces_what_the_run_does():
-    cell = FakeCell()
+async def test_a_dry_run_announces_what_the_run_does(cell):
     plan = make_plan(12)
 
     await run_session(cell, plan)

@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
-from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
-from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session, until
+from tests.unit.service.sessions.tracker.fakes import make_plan
+from tests.unit.service.sessions.tracker.operators import PatientOperator, begun, run_session, until
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -77,9 +77,7 @@ def findings(cell):
     return [(taken.device, taken.finding, taken.serial, taken.person) for taken in cell.journal.identities]
 
 
-async def test_what_was_met_first_is_on_record_and_every_reading_says_whose_it_is():
-    cell = FakeCell()
-
+async def test_what_was_met_first_is_on_record_and_every_reading_says_whose_it_is(cell):
     await run_session(cell, make_plan(2))
 
     assert findings(cell) == [("tracker", "first", A, None), ("robot", "first", "120-1", None)]
@@ -88,8 +86,7 @@ async def test_what_was_met_first_is_on_record_and_every_reading_says_whose_it_i
     assert cell.journal.registrations[0].instrument_serial == A
 
 
-async def test_a_tracker_that_the_cell_file_does_not_name_measures_nothing_unasked():
-    cell = FakeCell()
+async def test_a_tracker_that_the_cell_file_does_not_name_measures_nothing_unasked(cell):
     expecting(cell, tracker="390003")
 
     ended = await run_session(cell, make_plan(2))  # a patient operator confirms, and never names the tracker
@@ -100,8 +97,7 @@ async def test_a_tracker_that_the_cell_file_does_not_name_measures_nothing_unask
     assert [f for f in findings(cell) if f[1] == "accepted"] == []
 
 
-async def test_a_named_person_accepts_it_by_its_serial_number():
-    cell = FakeCell()
+async def test_a_named_person_accepts_it_by_its_serial_number(cell):
     expecting(cell, tracker="390003")
     operator = Accepting(A)
 
@@ -113,8 +109,7 @@ async def test_a_named_person_accepts_it_by_its_serial_number():
     assert any("Eva accepted tracker" in note for note in cell.journal.notes)
 
 
-async def test_a_tracker_exchanged_between_reading_and_record_stores_nothing_of_it():
-    cell = FakeCell()
+async def test_a_tracker_exchanged_between_reading_and_record_stores_nothing_of_it(cell):
     at_reading(cell, 1, exchanged(cell))
 
     await run_session(cell, make_plan(3))
@@ -122,8 +117,7 @@ async def test_a_tracker_exchanged_between_reading_and_record_stores_nothing_of_
     assert [(point.config, point.instrument_serial) for point in cell.journal.points] == [(1, A)]
 
 
-async def test_an_accepted_one_is_placed_in_the_world_anew_before_it_measures():
-    cell = FakeCell()
+async def test_an_accepted_one_is_placed_in_the_world_anew_before_it_measures(cell):
     at_reading(cell, 1, exchanged(cell))
 
     ended = await run_session(cell, make_plan(3), Accepting(B))
@@ -134,8 +128,7 @@ async def test_an_accepted_one_is_placed_in_the_world_anew_before_it_measures():
     assert [found.instrument_serial for found in cell.journal.registrations] == [A, B]
 
 
-async def test_an_exchange_while_the_link_was_down_is_questioned_at_the_reconnection():
-    cell = FakeCell()
+async def test_an_exchange_while_the_link_was_down_is_questioned_at_the_reconnection(cell):
     at_reading(cell, 1, lost(cell))
     operator = Accepting(B)
     operator.before_answer = lambda question: "cable" in question and exchanged(cell)()
@@ -147,8 +140,7 @@ async def test_an_exchange_while_the_link_was_down_is_questioned_at_the_reconnec
     assert any(B in question for question in operator.questions)
 
 
-async def test_one_that_is_put_back_goes_on_without_being_accepted():
-    cell = FakeCell()
+async def test_one_that_is_put_back_goes_on_without_being_accepted(cell):
     at_reading(cell, 1, exchanged(cell))
     operator = PatientOperator(6)
     operator.before_answer = lambda question: B in question and exchanged(cell, A)()
@@ -161,18 +153,14 @@ async def test_one_that_is_put_back_goes_on_without_being_accepted():
     assert [f[1] for f in findings(cell)] == ["first", "first", "foreign", "same"]
 
 
-async def test_swapped_and_swapped_back_is_asked_both_times():
-    cell = FakeCell()
+async def test_swapped_and_swapped_back_is_asked_both_times(cell):
     at_reading(cell, 1, exchanged(cell))
-    stored = cell.journal.point_taken
 
-    async def swap_back(point):
-        kept = await stored(point)
-        if point.config == 2:
+    async def swap_back(entry):
+        if entry.point is not None and entry.point.config == 2:
             exchanged(cell, A)()
-        return kept
 
-    cell.journal.point_taken = swap_back
+    cell.journal.before = swap_back
 
     class Both(Accepting):
         async def _answer(self, runner):
@@ -187,12 +175,9 @@ async def test_swapped_and_swapped_back_is_asked_both_times():
     assert len(cell.journal.registrations) == 3
 
 
-async def test_a_confirmation_meant_for_the_question_before_accepts_nothing():
-    cell = FakeCell()
+async def test_a_confirmation_meant_for_the_question_before_accepts_nothing(cell):
     expecting(cell, tracker="390003")
-    runner = TrackerRunner(make_plan(1), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION and runner.prompt is not None)
+    runner, running = await begun(cell, make_plan(1))
     await asking.confirm(runner, "Eva")
     await until(lambda: "390003" in english(question(runner)) and runner.state.value.startswith("awaiting"))
 
@@ -210,9 +195,7 @@ async def test_a_confirmation_meant_for_the_question_before_accepts_nothing():
 async def interrupted_at_the_question(cell):
     """Run a session until it questions a tracker, then kill it; returns what is on disk."""
     at_reading(cell, 1, exchanged(cell))
-    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.prompt is not None and runner.state is SessionState.AWAITING_CONFIRMATION)
+    runner, running = await begun(cell, make_plan(3))
     await asking.confirm(runner, "Eva")
     await until(lambda: B in english(question(runner)) and runner.state is SessionState.AWAITING_CONFIRMATION)
     running.cancel()
@@ -224,8 +207,7 @@ def on_disk(cell):
     return tuple(cell.journal.entries)
 
 
-async def test_a_restart_between_question_and_answer_puts_the_question_again():
-    cell = FakeCell()
+async def test_a_restart_between_question_and_answer_puts_the_question_again(cell):
     history = await interrupted_at_the_question(cell)
     operator = Accepting(B)
 
@@ -237,8 +219,7 @@ async def test_a_restart_between_question_and_answer_puts_the_question_again():
     assert [found.instrument_serial for found in cell.journal.registrations] == [A, B]
 
 
-async def test_a_restart_between_question_and_answer_accepts_nothing_by_itself():
-    cell = FakeCell()
+async def test_a_restart_between_question_and_answer_accepts_nothing_by_itself(cell):
     history = await interrupted_at_the_question(cell)
 
     await run_session(cell, make_plan(3), PatientOperator(), history)
@@ -246,8 +227,7 @@ async def test_a_restart_between_question_and_answer_accepts_nothing_by_itself()
     assert serials(cell) == [A]
 
 
-async def test_an_acceptance_survives_a_restart_and_the_registration_of_the_other_one_does_not():
-    cell = FakeCell()
+async def test_an_acceptance_survives_a_restart_and_the_registration_of_the_other_one_does_not(cell):
     history = await interrupted_at_the_question(cell)
     accepting = replace(cell.journal.identities[-1], finding="accepted", person="Eva")
     accepted = LedgerEntry("", EntryKind.NOTED, cell.clock.time_s, identity=accepting)
@@ -259,8 +239,7 @@ async def test_an_acceptance_survives_a_restart_and_the_registration_of_the_othe
     assert [found.instrument_serial for found in cell.journal.registrations] == [A, B]
 
 
-async def test_another_robot_is_refused_however_often_somebody_confirms():
-    cell = FakeCell()
+async def test_another_robot_is_refused_however_often_somebody_confirms(cell):
     expecting(cell, robot="120-9")
 
     ended = await run_session(cell, make_plan(2), Accepting("120-1"))
@@ -269,9 +248,7 @@ async def test_another_robot_is_refused_however_often_somebody_confirms():
     assert cell.robot.moves == []
 
 
-async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move():
-    cell = FakeCell()
-
+async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move(cell):
     def exchange():
         cell.robot.serial = "120-2"
 
@@ -285,9 +262,7 @@ async def test_a_robot_that_is_exchanged_without_a_lost_link_does_not_move():
     assert any("120-2" in question for question in operator.questions)
 
 
-async def test_the_right_robot_put_back_goes_on_and_skips_nothing():
-    cell = FakeCell()
-
+async def test_the_right_robot_put_back_goes_on_and_skips_nothing(cell):
     def exchange():
         cell.robot.serial = "120-2"
 
@@ -305,8 +280,7 @@ async def test_the_right_robot_put_back_goes_on_and_skips_nothing():
     assert [point.config for point in cell.journal.points] == [1, 2, 3]
 
 
-async def test_devices_that_tell_no_number_are_never_questioned():
-    cell = FakeCell()
+async def test_devices_that_tell_no_number_are_never_questioned(cell):
     cell.tracker.serial = cell.robot.serial = "unknown"
     expecting(cell, tracker=A, robot="120-1")
     operator = PatientOperator()
@@ -319,8 +293,7 @@ async def test_devices_that_tell_no_number_are_never_questioned():
     assert serials(cell) == ["", ""]
 
 
-async def test_a_tracker_that_falls_silent_is_noted_and_measures_on():
-    cell = FakeCell()
+async def test_a_tracker_that_falls_silent_is_noted_and_measures_on(cell):
     at_reading(cell, 0, exchanged(cell, "unknown"))
 
     ended = await run_session(cell, make_plan(2))

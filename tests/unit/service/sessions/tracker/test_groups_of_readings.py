@@ -61,9 +61,7 @@ class WarmingTracker:
         return await self._measure(duration_s=duration_s)
 
 
-async def test_a_visit_begins_where_its_stop_says():
-    cell = FakeCell()
-
+async def test_a_visit_begins_where_its_stop_says(cell):
     await run_session(cell, drift_plan(1))
 
     assert cell.robot.moves == [_FROM, _HERE, _FROM, _HERE]
@@ -82,9 +80,7 @@ async def test_whoever_starts_it_is_told_that_it_begins_from_cold():
     assert [("from cold" in one.questions[0]) for one in (operator, later, other)] == [True, False, False]
 
 
-async def test_the_arm_works_until_the_next_group_is_due():
-    cell = FakeCell()
-
+async def test_the_arm_works_until_the_next_group_is_due(cell):
     await run_session(cell, drift_plan(2))
 
     times = [point.time_s for point in cell.journal.points]
@@ -107,8 +103,7 @@ async def test_a_round_is_gone_to_its_end(later_s):
     assert cell.robot.moves[4:-4] == [*_ROUND] * (len(cell.robot.moves[4:-4]) // 2)
 
 
-async def test_whoever_goes_on_within_a_round_goes_to_its_next_place():
-    cell = FakeCell()
+async def test_whoever_goes_on_within_a_round_goes_to_its_next_place(cell):
     runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
 
     async def pause_in_the_midst():
@@ -122,8 +117,7 @@ async def test_whoever_goes_on_within_a_round_goes_to_its_next_place():
     assert cell.robot.moves[4:8] == [*_ROUND, *_ROUND]
 
 
-async def test_work_before_a_visit_that_is_left_out_ends_with_its_round():
-    cell = FakeCell()
+async def test_work_before_a_visit_that_is_left_out_ends_with_its_round(cell):
     runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
 
     async def leave_out():
@@ -138,8 +132,7 @@ async def test_work_before_a_visit_that_is_left_out_ends_with_its_round():
     assert [point.config for point in cell.journal.points] == [1, 2, 4]
 
 
-async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_written():
-    cell = FakeCell()
+async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_written(cell):
     runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
 
     async def fill():
@@ -160,8 +153,7 @@ async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_w
     assert len(cell.robot.moves) == 4
 
 
-async def test_a_killed_service_goes_on_working_as_if_it_had_not_been_gone():
-    cell = FakeCell()
+async def test_a_killed_service_goes_on_working_as_if_it_had_not_been_gone(cell):
     await run_session(cell, drift_plan(3))
     entries = cell.journal.entries
     begun = [
@@ -179,8 +171,7 @@ async def test_a_killed_service_goes_on_working_as_if_it_had_not_been_gone():
     assert 2 * _EVERY_S < later.journal.points[0].time_s - first_s < 2 * _EVERY_S + 20.0
 
 
-async def test_a_clock_that_began_anew_does_not_stretch_the_wait():
-    cell = FakeCell()
+async def test_a_clock_that_began_anew_does_not_stretch_the_wait(cell):
     await run_session(cell, drift_plan(2))
     killed = tuple(entry for entry in cell.journal.entries[:-1] if entry.time_s < 1000.0 + _EVERY_S)
     later = FakeCell()
@@ -191,8 +182,7 @@ async def test_a_clock_that_began_anew_does_not_stretch_the_wait():
     assert later.journal.points[0].time_s < 5.0 + 2 * _EVERY_S
 
 
-async def test_a_group_that_is_late_is_measured_at_once():
-    cell = FakeCell()
+async def test_a_group_that_is_late_is_measured_at_once(cell):
     plan = drift_plan(2)
     await run_session(cell, plan)
     killed = tuple(entry for entry in cell.journal.entries if entry.time_s < 1000.0 + _EVERY_S)
@@ -204,8 +194,7 @@ async def test_a_group_that_is_late_is_measured_at_once():
     assert set(later.robot.moves).isdisjoint(_ROUND)
 
 
-async def test_a_robot_that_got_warm_ends_the_test():
-    cell = FakeCell()
+async def test_a_robot_that_got_warm_ends_the_test(cell):
     WarmingTracker(cell, lambda hours: 1.0 - np.exp(-2.0 * hours))
 
     ended = await run_session(cell, drift_plan(13))
@@ -216,8 +205,7 @@ async def test_a_robot_that_got_warm_ends_the_test():
     assert cell.journal.skipped == []
 
 
-async def test_a_robot_that_drifts_on_is_measured_to_the_end():
-    cell = FakeCell()
+async def test_a_robot_that_drifts_on_is_measured_to_the_end(cell):
     WarmingTracker(cell, lambda hours: 0.05 * hours)
 
     await run_session(cell, drift_plan(7))
@@ -226,8 +214,7 @@ async def test_a_robot_that_drifts_on_is_measured_to_the_end():
     assert cell.journal.states[-1][1] == "Every configuration was measured or skipped."
 
 
-async def test_the_rest_takes_at_least_until_the_last_group_is_due():
-    cell = FakeCell()
+async def test_the_rest_takes_at_least_until_the_last_group_is_due(cell):
     plan = drift_plan(3)
     await run_session(cell, plan)
     entries = cell.journal.entries
@@ -238,8 +225,7 @@ async def test_the_rest_takes_at_least_until_the_last_group_is_due():
     assert now.progress.remaining_s == pytest.approx(2 * _EVERY_S, abs=30.0)
 
 
-def test_work_outside_the_limits_is_refused():
-    cell = FakeCell()
+def test_work_outside_the_limits_is_refused(cell):
     stop = PlannedStop(4, _HERE, 1, work=Work(60.0, ((0.0, 9.0, 0.0, 0.0, 0.0, 0.0),)))
 
     outside = "The warm-up motions before configuration 4 lie outside the limits"

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.domain import asking
 from tests.unit.service.sessions.tracker.fakes import FakeCell, FakeTracker, make_plan
-from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session, until
+from tests.unit.service.sessions.tracker.operators import PatientOperator, begun, run_session
 from truepose.domain.session import SessionState
 from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_drivers.errors import ConnectionLostError, NoReplyError
@@ -39,9 +39,7 @@ def cell(monkeypatch):
 
 async def seen_at(cell, where):
     """Halt a session where the arm sets out to a stop, and return what is seen then."""
-    runner = TrackerRunner(make_plan(2), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.prompt is not None)
+    runner, running = await begun(cell, make_plan(2))
     shown = []
 
     async def watch():

@@ -69,8 +69,7 @@ def measured(cell):
     return [point.config for point in cell.journal.points]
 
 
-async def test_a_configuration_that_is_left_out_is_not_gone_to():
-    cell = FakeCell()
+async def test_a_configuration_that_is_left_out_is_not_gone_to(cell):
     async with Halted(cell, make_plan(4), after=1) as session:
         answer = await session.act(CommandName.SKIP, "stop-3", "in the way")
         await session.go_on()
@@ -92,8 +91,7 @@ class Eyes:
         return message("room.be_ready") if self.narrow else ""
 
 
-async def test_past_a_configuration_that_is_left_out_the_arm_goes_where_the_way_was_looked_at():
-    cell = FakeCell()
+async def test_past_a_configuration_that_is_left_out_the_arm_goes_where_the_way_was_looked_at(cell):
     async with Halted(cell, make_plan(4), after=1) as session:
         noted = len(cell.journal.notes)
         await session.act(CommandName.SKIP, "stop-3", "in the way")
@@ -135,8 +133,7 @@ async def test_what_was_measured_can_be_left_out_too():
 
 
 @pytest.mark.parametrize("name", [CommandName.RETRY, CommandName.BACK])
-async def test_what_comes_again_comes_last_and_after_a_question(name):
-    cell = FakeCell()
+async def test_what_comes_again_comes_last_and_after_a_question(name, cell):
     async with Halted(cell, make_plan(4), after=2) as session:
         await session.act(name)  # what was measured last
         await session.go_on()
@@ -164,8 +161,7 @@ async def test_back_may_be_pressed_again_and_again():
         assert session.runner.situation.step.id == "fixed-nests"  # they come before the first stop
 
 
-async def test_the_fixed_nests_are_looked_at_when_somebody_wants_it():
-    cell = FakeCell()
+async def test_the_fixed_nests_are_looked_at_when_somebody_wants_it(cell):
     async with Halted(cell, make_plan(4, reference_every=9), after=2) as session:
         before = len(cell.journal.fixed)
         await session.act(CommandName.RETRY, "fixed-nests")
@@ -207,8 +203,7 @@ async def test_an_act_is_done_once_however_often_it_arrives():
         assert len(session.cell.journal.skipped) == 1
 
 
-async def test_a_configuration_that_is_left_out_while_it_is_measured_has_no_reading_that_counts():
-    cell = FakeCell()
+async def test_a_configuration_that_is_left_out_while_it_is_measured_has_no_reading_that_counts(cell):
     async with Halted(cell, make_plan(3), after=1) as session:
 
         async def leave_out():
@@ -237,8 +232,7 @@ async def test_nobody_does_it_without_a_name():
             )
 
 
-async def test_after_a_stop_a_person_confirms_anew():
-    cell = FakeCell()
+async def test_after_a_stop_a_person_confirms_anew(cell):
     async with Halted(cell, make_plan(4), after=1) as session:
         await session.go_on()
         cell.robot.before_move = lambda: session.runner.act(OperatorCommand(CommandName.STOP, PERSON))

@@ -65,9 +65,7 @@ def test_the_listing_is_what_is_due_where_every_step_succeeds():
     ]
 
 
-async def test_a_session_that_nothing_disturbs_begins_exactly_the_steps_that_were_listed():
-    cell = FakeCell()
-
+async def test_a_session_that_nothing_disturbs_begins_exactly_the_steps_that_were_listed(cell):
     await run_session(cell, PLAN)
 
     begun = [entry.step_id for entry in cell.journal.entries if entry.kind is EntryKind.BEGUN]

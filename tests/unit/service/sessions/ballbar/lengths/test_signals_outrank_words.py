@@ -6,7 +6,7 @@ import pytest
 
 from tests.helpers.domain.asking import question
 from tests.unit.service.sessions.ballbar.fakes import Bench
-from tests.unit.service.sessions.ballbar.sessions import joints, make_plan
+from tests.unit.service.sessions.ballbar.sessions import LEG, NEXT_LEG, PLAN, POSE, joints, make_plan
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -14,21 +14,12 @@ from truepose.sessions.engine.commands import CommandName
 from truepose.sessions.errors import NotNowError, ReasonMissingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError
 
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 DETACH, MOVE = "placement-1/pose-1/detach", "placement-1/pose-2/move"
 LAST_LEG = "placement-1/pose-1/leg-3-1"
-LEG, NEXT = "placement-1/pose-1/leg-1-2", "placement-1/pose-1/leg-2-1"
-
-
-async def bench_at(bench: Bench, step_id: str) -> None:
-    await bench.start()
-    await bench.until(step_id)
 
 
 async def test_the_word_that_the_ballbar_is_off_is_refused_while_it_reads_a_length():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, DETACH)  # it is still where the last leg was read
-
+    async with Bench(PLAN).at(DETACH) as bench:  # it is still where the last leg was read
         with pytest.raises(NotNowError, match="between two balls, or on the calibrator"):
             await bench.press(CommandName.CONFIRM)
 
@@ -40,8 +31,7 @@ async def test_the_word_that_the_ballbar_is_off_is_refused_while_it_reads_a_leng
 
 @pytest.mark.parametrize("what", ["leg", "calibrator"])
 async def test_a_motion_is_not_confirmed_while_the_ballbar_is_back_on(what):
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         before = len(bench.robot.moves)
         bench.hands.connect(what, (1, 1))
 
@@ -54,8 +44,7 @@ async def test_a_motion_is_not_confirmed_while_the_ballbar_is_back_on(what):
 
 @pytest.mark.parametrize("beyond_mm", [None, 1.05], ids=["held in the hand", "run to its end"])
 async def test_a_ballbar_that_was_seen_to_come_off_is_believed_to_be_off(beyond_mm):
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, DETACH)
+    async with Bench(PLAN).at(DETACH) as bench:
         bench.hands.hold()
         bench.bar.out_of_range_mm = beyond_mm
 
@@ -65,8 +54,7 @@ async def test_a_ballbar_that_was_seen_to_come_off_is_believed_to_be_off(beyond_
 
 
 async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the_arm_moves():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         await bench.clock.advance(4.0)
         bench.hands.connect("leg", (1, 1))
         bench.bar.out_of_range_mm = 1.05
@@ -76,8 +64,7 @@ async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the
 
 
 async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ballbar_stays_on():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, LAST_LEG)
+    async with Bench(PLAN).at(LAST_LEG) as bench:
         bench.hands.connect("leg", (3, 1))
         bench.bar.out_of_range_mm = 1.05
         await bench.clock.advance(0.5)
@@ -96,17 +83,14 @@ async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ba
 @pytest.mark.parametrize("lost", ["switched off", "cable", "frozen", "restart"])
 async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read(lost, attached_later):
     """Whatever made it unreadable: switched off is no better than a cable that is out."""
-    async with Bench(PLAN) as bench:
+    async with Bench(PLAN).at("placement-1/pose-1/initialise" if attached_later else DETACH) as bench:
         if attached_later:  # it was seen to be off; then it was put on, and what it does not read is skipped
-            await bench_at(bench, "placement-1/pose-1/initialise")
             bench.hands.detach()
             await bench.clock.advance(0.5)
-            await lose(bench, lost)
+        await lose(bench, lost)
+        if attached_later:
             bench.hands.connect("leg", (1, 1))
             await bench.press(CommandName.SKIP, reason="it reads nothing")
-        else:
-            await bench_at(bench, DETACH)
-            await lose(bench, lost)
         assert bench.present == DETACH
         before = len(bench.robot.moves)
 
@@ -134,8 +118,7 @@ async def lose(bench: Bench, how: str) -> None:
 
 
 async def test_what_a_person_said_does_not_outlive_the_next_length_that_is_asked_for():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, DETACH)
+    async with Bench(PLAN).at(DETACH) as bench:
         bench.bar.switched_on = False
         await bench.clock.advance(1.0)
         bench.hands.detach()
@@ -162,8 +145,7 @@ async def test_a_person_who_lays_the_ballbar_aside_is_never_asked_how_they_know(
 
 @pytest.mark.parametrize("fault", [NoReplyError, ConnectionLostError])
 async def test_a_link_that_is_lost_with_the_ballbar_on_takes_a_reason_that_is_kept(fault):
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, DETACH)
+    async with Bench(PLAN).at(DETACH) as bench:
         bench.bar.lost, bench.bar.plugged = fault, False
         await bench.clock.advance(1.0)
         assert bench.runner._readings.sample.reason_needed
@@ -180,8 +162,7 @@ async def test_a_link_that_is_lost_with_the_ballbar_on_takes_a_reason_that_is_ke
 
 
 async def test_a_link_that_is_lost_after_the_ballbar_was_seen_off_asks_for_nothing_more():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         await bench.clock.advance(1.0)
         bench.bar.plugged = False
         await bench.clock.advance(1.0)
@@ -192,8 +173,7 @@ async def test_a_link_that_is_lost_after_the_ballbar_was_seen_off_asks_for_nothi
 
 
 async def test_a_count_that_stands_still_is_not_believed_and_nothing_of_it_is_stored():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.bar.frozen = True
         bench.hands.detach()
         await bench.clock.advance(2.0)
@@ -210,8 +190,7 @@ async def test_a_count_that_stands_still_is_not_believed_and_nothing_of_it_is_st
 
 
 async def test_after_a_restart_the_ledgers_word_is_not_enough_where_the_ballbar_is_back_on():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         before = len(bench.robot.moves)
         await bench.kill()
         bench.hands.connect("leg", (1, 1))
@@ -225,8 +204,7 @@ async def test_after_a_restart_the_ledgers_word_is_not_enough_where_the_ballbar_
 
 
 async def test_after_a_restart_a_ballbar_that_cannot_be_read_takes_a_reason_once():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         bench.bar.plugged = False
         await bench.restart()
         await bench.press(CommandName.CONFIRM)
@@ -241,8 +219,7 @@ async def test_after_a_restart_a_ballbar_that_cannot_be_read_takes_a_reason_once
 
 async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is_asked_off_again():
     plan = make_plan((1, 2), precalibrate_after=9, stable_s=0.2, settle_s=0.1)
-    async with Bench(plan) as bench:
-        await bench_at(bench, "placement-1/pose-1/move")
+    async with Bench(plan).at(POSE) as bench:
         before = len(bench.robot.moves)
         await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.9)  # on the first piece of its way
@@ -255,10 +232,10 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
         assert "while the arm was moving" in english(question(bench.runner))
         assert bench.now.attached
-        (again,) = bench.kept("placement-1/pose-1/move/detach", EntryKind.REOPENED)
+        (again,) = bench.kept(f"{POSE}/detach", EntryKind.REOPENED)
         assert english(again.text) == "The ballbar read a length within its range."
         await bench.press(CommandName.CONFIRM)
-        assert bench.present == "placement-1/pose-1/move/detach"
+        assert bench.present == f"{POSE}/detach"
         with pytest.raises(NotNowError):
             await bench.press(CommandName.CONFIRM)
         await bench.do()
@@ -267,8 +244,7 @@ async def test_a_ballbar_put_on_while_the_arm_moves_has_nothing_more_sent_and_is
 
 
 async def test_a_ballbar_seen_on_during_the_last_piece_of_the_way_does_not_let_the_arm_arrive():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         await bench.press(CommandName.CONFIRM)
         while bench.robot.moves[-1] != joints(2):
             await bench.clock.advance(0.1)
@@ -283,8 +259,7 @@ async def test_a_ballbar_seen_on_during_the_last_piece_of_the_way_does_not_let_t
 
 
 async def test_stop_while_the_ballbar_is_seen_on_keeps_both():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
         bench.hands.connect("leg", (1, 1))
@@ -297,8 +272,7 @@ async def test_stop_while_the_ballbar_is_seen_on_keeps_both():
 
 async def test_a_confirmation_of_a_motion_never_answers_another_question():
     """While the samples are awaited somebody presses STOP: what was confirmed is gone."""
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, MOVE)
+    async with Bench(PLAN).at(MOVE) as bench:
         bench.hands.connect("leg", (1, 1))  # so that the samples are looked at for long
         before = len(bench.robot.moves)
 
@@ -312,8 +286,7 @@ async def test_a_confirmation_of_a_motion_never_answers_another_question():
 
 
 async def test_a_cup_is_not_clamped_on_record_where_the_arm_was_moved_since():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "placement-1/cup-1/clamp")
+    async with Bench(PLAN).at("placement-1/cup-1/clamp") as bench:
         bench.robot.joints = (0.02, *bench.robot.joints[1:])
 
         with pytest.raises(NotNowError, match="does not count as clamped: Joint 1"):
@@ -326,8 +299,7 @@ async def test_a_cup_is_not_clamped_on_record_where_the_arm_was_moved_since():
 
 
 async def test_a_calibrator_that_is_stored_by_hand_as_a_leg_is_asked_about():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "placement-1/pose-1/leg-1-1")
+    async with Bench(PLAN).at("placement-1/pose-1/leg-1-1") as bench:
         bench.suspect.blind = True
 
         await bench.press(CommandName.STORE)  # the ballbar is where its zero was read
@@ -348,8 +320,7 @@ async def test_a_calibrator_that_is_stored_by_hand_as_a_leg_is_asked_about():
     ],
 )
 async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_let_go(step_id, kind):
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, step_id)
+    async with Bench(PLAN).at(step_id) as bench:
         bench.suspect.blind = True
         bench.hands.detach()
         await bench.clock.advance(0.3)
@@ -363,10 +334,9 @@ async def test_a_length_of_the_calibrator_is_asked_about_though_the_ballbar_was_
         assert entry.suspicion.kind == kind
 
 
-@pytest.mark.parametrize(("first", "second"), [("tool/side-1-2", "tool/side-2-3"), (LEG, NEXT)])
+@pytest.mark.parametrize(("first", "second"), [("tool/side-1-2", "tool/side-2-3"), (LEG, NEXT_LEG)])
 async def test_a_connection_that_was_read_already_is_asked_about_when_it_is_stored_by_hand(first, second):
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, first)
+    async with Bench(PLAN).at(first) as bench:
         bench.suspect.blind = True
         await bench.do()
         assert bench.present == second
@@ -375,12 +345,11 @@ async def test_a_connection_that_was_read_already_is_asked_about_when_it_is_stor
 
         assert bench.kept(second) == []
         assert bench.now.suspicion.suspicion.kind == "same_connection"
-        assert bench.now.suspicion.suspicion.suspected == ((1, 2) if second == NEXT else None)
+        assert bench.now.suspicion.suspicion.suspected == ((1, 2) if second == NEXT_LEG else None)
 
 
 async def test_what_is_said_to_be_connected_anew_and_was_not_let_go_is_asked_about_again():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "tool/side-2-3")
+    async with Bench(PLAN).at("tool/side-2-3") as bench:
         await bench.press(CommandName.STORE)
         await bench.press(CommandName.ANSWER, answer="reconnected")
 
@@ -390,9 +359,7 @@ async def test_what_is_said_to_be_connected_anew_and_was_not_let_go_is_asked_abo
 
 
 async def test_retry_does_not_store_by_itself_what_is_connected_for_another_step():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "tool/side-2-3")
-
+    async with Bench(PLAN).at("tool/side-2-3") as bench:
         await bench.press(CommandName.RETRY)
         await bench.clock.advance(5.0)
 
@@ -401,8 +368,7 @@ async def test_retry_does_not_store_by_itself_what_is_connected_for_another_step
 
 
 async def test_retry_after_back_reads_the_same_connection_again():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "tool/side-2-3")
+    async with Bench(PLAN).at("tool/side-2-3") as bench:
         await bench.press(CommandName.BACK)
         assert bench.present == "tool/side-1-2"
 
@@ -413,8 +379,7 @@ async def test_retry_after_back_reads_the_same_connection_again():
 
 
 async def test_after_a_restart_it_is_still_known_what_was_connected():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "placement-1/pose-1/leg-1-1")
+    async with Bench(PLAN).at("placement-1/pose-1/leg-1-1") as bench:
         await bench.restart()
         await bench.press(CommandName.CONFIRM)
 
@@ -424,8 +389,7 @@ async def test_after_a_restart_it_is_still_known_what_was_connected():
 
 
 async def test_a_zero_read_off_the_calibrator_is_asked_about_and_the_zero_walks_a_little():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "placement-1/pose-1/initialise")
+    async with Bench(PLAN).at("placement-1/pose-1/initialise") as bench:
         bench.hands.offset_mm = 0.003  # as far as the snaps let it walk
         await bench.do()
         assert bench.now.suspicion is None
@@ -439,8 +403,7 @@ async def test_a_zero_read_off_the_calibrator_is_asked_about_and_the_zero_walks_
 
 
 async def test_bars_that_were_not_changed_show_in_the_zero():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, "placement-1/initialise")
+    async with Bench(PLAN).at("placement-1/initialise") as bench:
         bench.hands.connect("calibrator")  # with the bars of the tool triangle
         bench.hands.bars = "tool"
         await bench.clock.advance(2.0)
@@ -450,52 +413,47 @@ async def test_bars_that_were_not_changed_show_in_the_zero():
 
 
 async def test_a_zero_after_a_lost_supply_is_not_taken_from_the_leg_that_is_connected():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, NEXT)
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-        bench.bar.plugged = True
-        await bench.clock.advance(5.0)
-        assert bench.present == f"{NEXT}/initialise"
+    async with Bench(PLAN).at(NEXT_LEG) as bench:
+        await bench.replug()
+        assert bench.present == f"{NEXT_LEG}/initialise"
 
         await bench.press(CommandName.RETRY)
         await bench.clock.advance(3.0)
-        assert bench.kept(f"{NEXT}/initialise") == []
+        assert bench.kept(f"{NEXT_LEG}/initialise") == []
         await bench.press(CommandName.STORE)
 
         assert bench.now.suspicion.suspicion.kind == "not_calibrator"
         await bench.press(CommandName.ANSWER, answer="reconnected")
         await bench.do()
-        assert bench.present == NEXT
+        assert bench.present == NEXT_LEG
 
 
 @pytest.mark.parametrize(
-    ("state", "says"),
+    ("bar", "state", "says"),
     [
-        ("no_signal", "no signal"),
-        ("out_low", "too close"),
-        ("out_high", "too far"),
-        ("unstable", "still changing"),
+        ({"plugged": False}, "no_signal", "no signal"),
+        ({"switched_on": False}, "no_signal", "no signal"),
+        ({"out_of_range_mm": -1.1}, "out_low", "too close"),
+        ({"out_of_range_mm": 1.1}, "out_high", "too far"),
+        ({"wobble_mm": 0.02}, "unstable", "still changing"),
     ],
 )
-async def test_the_button_is_refused_and_the_page_knows_it_beforehand(state, says):
-    async with Bench(PLAN) as bench:
-        await bench.start()
+async def test_the_button_is_refused_and_the_page_knows_it_beforehand(bar, state, says):
+    async with Bench(PLAN).at("tool/initialise") as bench:
         bench.hands.do_as_asked("tool/initialise")
-        bench.bar.plugged = state != "no_signal"
-        bench.bar.out_of_range_mm = {"out_low": -1.1, "out_high": 1.1}.get(state)
-        bench.bar.wobble_mm = 0.02 if state == "unstable" else 0.0003
+        for name, value in bar.items():
+            setattr(bench.bar, name, value)
         await bench.clock.advance(0.2)
         sample = bench.runner._readings.sample
 
         assert (sample.state, sample.can_store, sample.why_not) == (state, False, state)
         with pytest.raises(NotNowError, match=says):
             await bench.press(CommandName.STORE)
+        assert bench.kept("tool/initialise") == []
 
 
 async def test_the_page_knows_when_a_length_can_be_stored_and_whether_it_was_let_go():
-    async with Bench(PLAN) as bench:
-        await bench.start()
+    async with Bench(PLAN).at("tool/initialise") as bench:
         bench.hands.do_as_asked("tool/initialise")
         await bench.clock.advance(0.1)
         sample = bench.runner._readings.sample
@@ -513,8 +471,7 @@ async def test_the_page_knows_when_a_length_can_be_stored_and_whether_it_was_let
 
 
 async def test_a_mistake_of_the_program_has_the_session_await_a_person_and_go_on_by_an_act():
-    async with Bench(PLAN) as bench:
-        await bench_at(bench, LEG)
+    async with Bench(PLAN).at(LEG) as bench:
 
         async def fails():
             raise ValueError("no langid")

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.domain.asking import question
 from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.ballbar.fakes import Bench, turns
-from tests.unit.service.sessions.ballbar.sessions import joints, make_plan
+from tests.unit.service.sessions.ballbar.sessions import CUP, LEG, NEXT_LEG, PLAN, POSE, joints, make_plan
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -21,9 +21,6 @@ from truepose.sessions.errors import (
     WatchingTabletError,
 )
 
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
-LEG = "placement-1/pose-1/leg-1-2"
-CUP = "placement-1/cup-1/move"
 NOISE_MM = 0.0006  # the wobble of the fake ballbar, in both readings that make a length
 
 
@@ -45,9 +42,7 @@ async def test_a_whole_session_is_done_by_doing_what_it_asks():
 
 
 async def test_a_length_is_calibrator_plus_deviation_minus_zero_with_all_it_rests_on():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.hands.offset_mm = 0.1  # a zero that walked after the calibrator was read
         await bench.do()
 
@@ -78,9 +73,7 @@ async def test_a_temperature_that_is_not_known_is_not_invented():
 
 
 async def test_the_arm_moves_along_its_way_once_a_person_has_confirmed_and_not_before():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(PLAN).at(POSE) as bench:
         before = len(bench.robot.moves)
         await bench.clock.advance(30.0)
         assert len(bench.robot.moves) == before
@@ -89,15 +82,13 @@ async def test_the_arm_moves_along_its_way_once_a_person_has_confirmed_and_not_b
 
         assert bench.robot.moves[before:] == [joints(1.5), joints(1)]
         assert bench.robot.limits.tool_speed_mm_s == PLAN.tool_speed_mm_s
-        (moved,) = bench.kept("placement-1/pose-1/move", EntryKind.MOVED)
+        (moved,) = bench.kept(POSE, EntryKind.MOVED)
         assert moved.arrival.commanded_rad == joints(1)
         assert moved.arrival.direction[0] == -1  # the way came from 1.5
 
 
 async def test_a_confirmation_that_was_under_way_for_long_moves_nothing():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         seen_s = bench.clock.time_s
         await bench.clock.advance(2.5)
 
@@ -109,9 +100,7 @@ async def test_a_confirmation_that_was_under_way_for_long_moves_nothing():
 
 
 async def test_nothing_moves_on_an_old_statement_of_the_robot():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         bench.robot.state_age_s = 2.5
 
         await bench.do()
@@ -147,9 +136,7 @@ async def test_nothing_is_stored_by_itself_while_the_length_moves():
 
 
 async def test_nothing_is_stored_by_itself_once_the_arm_was_moved_by_others_and_the_stop_is_lost():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.robot.joints = (0.02, *bench.robot.joints[1:])
         bench.hands.do_as_asked(LEG)
 
@@ -163,9 +150,7 @@ async def test_nothing_is_stored_by_itself_once_the_arm_was_moved_by_others_and_
 
 
 async def test_the_arm_that_is_moved_by_others_is_noticed_without_anybody_pressing_anything():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.robot.joints = (0.02, *bench.robot.joints[1:])
 
         await bench.clock.advance(1.0)
@@ -175,8 +160,7 @@ async def test_the_arm_that_is_moved_by_others_is_noticed_without_anybody_pressi
 
 
 async def test_the_button_stores_what_is_shown():
-    async with Bench(PLAN) as bench:
-        await bench.start()
+    async with Bench(PLAN).at("tool/initialise") as bench:
         bench.hands.do_as_asked("tool/initialise")
         await bench.clock.advance(0.1)  # not long enough to be stored by itself
 
@@ -188,9 +172,7 @@ async def test_the_button_stores_what_is_shown():
 
 
 async def test_the_button_stores_nothing_that_was_shown_before_it_was_pressed():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("tool/side-1-2")
+    async with Bench(PLAN).at("tool/side-1-2") as bench:
         await bench.clock.advance(1.0)  # still on the calibrator
         bench.hands.do_as_asked("tool/side-1-2")
 
@@ -201,8 +183,7 @@ async def test_the_button_stores_nothing_that_was_shown_before_it_was_pressed():
 
 
 async def test_the_button_does_not_wait_for_a_session_that_is_no_longer_run():
-    async with Bench(PLAN) as bench:
-        await bench.start()
+    async with Bench(PLAN).at("tool/initialise") as bench:
         bench.hands.do_as_asked("tool/initialise")
         pressed = asyncio.create_task(
             bench.runner.act(OperatorCommand(CommandName.STORE, "Eva", "one", "k", "tool/initialise"))
@@ -216,26 +197,8 @@ async def test_the_button_does_not_wait_for_a_session_that_is_no_longer_run():
         assert bench.kept("tool/initialise") == []
 
 
-@pytest.mark.parametrize(("shown_mm", "says"), [(-1.1, "too close"), (1.1, "too far"), (None, "no signal")])
-async def test_the_button_stores_nothing_where_there_is_no_length(shown_mm, says):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        if shown_mm is not None:
-            bench.hands.do_as_asked("tool/initialise")
-            bench.bar.out_of_range_mm = shown_mm
-        await bench.clock.advance(0.5)
-
-        with pytest.raises(NotNowError, match=says):
-            await bench.press(CommandName.STORE)
-
-        assert bench.kept("tool/initialise") == []
-
-
 async def test_a_repeated_request_is_done_once_and_answered_twice():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/place")
-
+    async with Bench(PLAN).at("placement-1/place") as bench:
         answers = await asyncio.gather(
             bench.press(CommandName.CONFIRM, key="k"), bench.press(CommandName.CONFIRM, key="k")
         )
@@ -246,9 +209,7 @@ async def test_a_repeated_request_is_done_once_and_answered_twice():
 
 
 async def test_a_repeated_request_is_known_after_a_restart():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/place")
+    async with Bench(PLAN).at("placement-1/place") as bench:
         first = await bench.press(CommandName.CONFIRM, key="k")
         await bench.restart()
 
@@ -259,9 +220,7 @@ async def test_a_repeated_request_is_known_after_a_restart():
 
 
 async def test_an_act_for_a_step_that_is_no_longer_there_does_nothing():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("tool/side-1-2")
+    async with Bench(PLAN).at("tool/side-1-2") as bench:
         before = len(bench.disk.entries)
 
         with pytest.raises(NotNowError, match="tool/side-1-2"):
@@ -287,10 +246,7 @@ async def test_a_tablet_that_watches_may_stop_and_take_over_but_not_act():
 
 
 async def test_an_act_needs_a_name_and_a_skip_its_reason():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("tool/side-1-2")
-
+    async with Bench(PLAN).at("tool/side-1-2") as bench:
         with pytest.raises(PersonMissingError):
             await bench.press(CommandName.SKIP, person=" ", reason="out of range")
         with pytest.raises(ReasonMissingError):
@@ -298,10 +254,8 @@ async def test_an_act_needs_a_name_and_a_skip_its_reason():
 
 
 async def test_back_does_not_take_what_is_connected_for_what_is_asked_again():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/leg-2-1")
-        bench.hands.do_as_asked("placement-1/pose-1/leg-2-1")
+    async with Bench(PLAN).at(NEXT_LEG) as bench:
+        bench.hands.do_as_asked(NEXT_LEG)
         bench.suspect.blind = True
         await bench.clock.advance(0.1)
 

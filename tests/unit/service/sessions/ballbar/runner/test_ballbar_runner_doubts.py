@@ -3,7 +3,7 @@
 import pytest
 
 from tests.unit.service.sessions.ballbar.fakes import Bench
-from tests.unit.service.sessions.ballbar.sessions import LEGS, found, make_plan, make_pose
+from tests.unit.service.sessions.ballbar.sessions import LEG, LEGS, NEXT_LEG, PLAN, found, make_pose
 from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.ledger import EntryKind
@@ -14,14 +14,11 @@ from truepose.sessions.errors import (
     NotNowError,
 )
 
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
-LEG = "placement-1/pose-1/leg-1-2"
+FIRST_LEG = "placement-1/pose-1/leg-1-1"
 
 
 async def test_a_wrong_connection_is_asked_about_and_never_stored_silently():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.hands.connect("leg", (2, 3))
 
         await bench.clock.advance(2.0)
@@ -44,9 +41,7 @@ async def test_a_wrong_connection_is_asked_about_and_never_stored_silently():
     ],
 )
 async def test_a_length_of_the_calibrator_is_asked_about_once_for_each_step(side, kind, main):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(side)
+    async with Bench(PLAN).at(side) as bench:
         bench.suspect.blind = True
         for doubts in (1, 0):
             bench.hands.detach()
@@ -64,9 +59,7 @@ async def test_a_length_of_the_calibrator_is_asked_about_once_for_each_step(side
 
 async def test_an_answer_that_led_nowhere_twice_is_not_the_main_one():
     side, offered = "placement-1/side-1-2", []
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(side)
+    async with Bench(PLAN).at(side) as bench:
         await bench.clear_hands(side)
         bench.hands.connect("calibrator")
         await bench.clock.advance(2.0)
@@ -79,9 +72,7 @@ async def test_an_answer_that_led_nowhere_twice_is_not_the_main_one():
 
 
 async def test_the_same_pair_twice_is_recognised_from_the_lengths_alone():
-    async with Bench(PLAN, judges=Judges()) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN, judges=Judges()).at(LEG) as bench:
         bench.hands.detach()
         await bench.clock.advance(0.2)
         bench.hands.connect("leg", (1, 1))  # again
@@ -97,10 +88,7 @@ async def test_what_cannot_be_judged_is_asked_about():
     def at_a_loss(*_, **__):
         raise ConfigurationError("The forecast does not know this leg.")
 
-    async with Bench(PLAN, judges=Judges(leg=at_a_loss)) as bench:
-        await bench.start()
-        await bench.until("placement-1/side-1-2")
-
+    async with Bench(PLAN, judges=Judges(leg=at_a_loss)).at("placement-1/side-1-2") as bench:
         await bench.do()
 
         assert bench.now.suspicion.suspicion.kind == "unlikely"
@@ -108,9 +96,7 @@ async def test_what_cannot_be_judged_is_asked_about():
 
 
 async def test_a_doubt_that_the_person_denies_is_stored_with_the_answer():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.hands.connect("leg", (2, 3))
         await bench.clock.advance(2.0)
         bench.hands.detach()  # the reading is the one that was taken, whatever is connected now
@@ -126,11 +112,8 @@ async def test_a_doubt_that_the_person_denies_is_stored_with_the_answer():
 
 
 async def test_a_leg_that_was_read_of_another_pair_is_read_again_once_that_pair_comes():
-    first = "placement-1/pose-1/leg-1-1"
-    async with Bench(PLAN, judges=Judges()) as bench:
-        await bench.start()
-        await bench.until(first)
-        await bench.clear_hands(first)
+    async with Bench(PLAN, judges=Judges()).at(FIRST_LEG) as bench:
+        await bench.clear_hands(FIRST_LEG)
         bench.hands.connect("leg", LEGS[1])  # taken for the first one: nobody can see that
         await bench.clock.advance(1.0)
         await bench.do()  # as asked for: the pair that was read before
@@ -139,25 +122,22 @@ async def test_a_leg_that_was_read_of_another_pair_is_read_again_once_that_pair_
         await bench.press(CommandName.ANSWER, answer="right_pair")
 
         assert len(bench.kept(LEG)) == 1
-        assert bench.present == first
-        assert bench.now.outcomes[first].length is None
+        assert bench.present == FIRST_LEG
+        assert bench.now.outcomes[FIRST_LEG].length is None
 
 
 async def test_two_pairs_of_one_length_are_read_again_once_at_most():
-    first = "placement-1/pose-1/leg-1-1"
-    async with Bench(PLAN, judges=Judges()) as bench:
-        await bench.start()
-        await bench.until(first)
-        for step_id in (first, LEG, first):
+    async with Bench(PLAN, judges=Judges()).at(FIRST_LEG) as bench:
+        for step_id in (FIRST_LEG, LEG, FIRST_LEG):
             await bench.clear_hands(step_id)
             bench.hands.connect("leg", LEGS[1])
             await bench.clock.advance(1.0)
             if bench.now.suspicion is not None:
                 await bench.press(CommandName.ANSWER, answer="right_pair")
 
-        assert bench.now.outcomes[first].length is not None
+        assert bench.now.outcomes[FIRST_LEG].length is not None
         assert bench.now.outcomes[LEG].length is not None
-        assert bench.present == "placement-1/pose-1/leg-2-1"
+        assert bench.present == NEXT_LEG
 
 
 @pytest.mark.parametrize("suspected", [(3, 3), None])
@@ -177,9 +157,7 @@ async def test_an_earlier_leg_that_is_meant_by_a_doubt_is_read_again_and_no_othe
 
 
 async def test_an_answer_that_is_none_is_refused():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.hands.connect("leg", (2, 3))
         await bench.clock.advance(2.0)
 
@@ -212,9 +190,7 @@ def _forecast(config):
 
 
 async def test_a_calibrator_that_is_far_from_where_it_was_is_doubted():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/initialise")
+    async with Bench(PLAN).at("placement-1/pose-1/initialise") as bench:
         bench.hands.connect("leg", (1, 1))  # not the calibrator
         bench.suspect.blind = True
 

@@ -7,7 +7,17 @@ import pytest
 
 from tests.helpers.domain.asking import question
 from tests.unit.service.sessions.ballbar.fakes import HOME, Bench
-from tests.unit.service.sessions.ballbar.sessions import found, joints, make_plan, make_pose
+from tests.unit.service.sessions.ballbar.sessions import (
+    CUP,
+    LEG,
+    NEXT_LEG,
+    PLAN,
+    POSE,
+    found,
+    joints,
+    make_plan,
+    make_pose,
+)
 from truepose.domain.errors import UnderdeterminedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -18,18 +28,12 @@ from truepose.sessions.errors import (
 )
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
-LEG = "placement-1/pose-1/leg-1-2"
-CUP = "placement-1/cup-1/move"
-
 
 @pytest.mark.parametrize(
     ("fault", "first"), [(NoReplyError, LEG), (ConnectionLostError, f"{LEG}/initialise")]
 )
 async def test_a_pulled_cable_is_shown_and_the_session_goes_on_when_it_is_back(fault, first):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.bar.lost = fault
         bench.bar.plugged = False
         await bench.clock.advance(3.0)
@@ -41,15 +45,13 @@ async def test_a_pulled_cable_is_shown_and_the_session_goes_on_when_it_is_back(f
 
         assert bench.runner._readings.sample.state == "in_range"
         assert bench.present == first  # a gauge without supply has lost its zero, a silent counter has not
-        await bench.until("placement-1/pose-1/leg-2-1")
+        await bench.until(NEXT_LEG)
         (entry,) = bench.kept(LEG)
         assert entry.length.initialisation == (3 if first == LEG else 4)
 
 
 async def test_a_clock_of_the_cell_that_fails_has_the_session_await_a_person_and_go_on():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         tell = bench.clock.now_s
 
         async def say_nothing():
@@ -70,9 +72,7 @@ async def test_a_clock_of_the_cell_that_fails_has_the_session_await_a_person_and
 
 
 async def test_a_robot_that_is_gone_has_the_session_await_a_person_and_go_on():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         bench.robot.plugged = False
         await bench.clock.advance(1.0)
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
@@ -88,9 +88,7 @@ async def test_a_robot_that_is_gone_has_the_session_await_a_person_and_go_on():
 
 @pytest.mark.parametrize("fault", [ConnectionLostError("cut"), TargetRefusedError("joint 3")])
 async def test_a_motion_that_fails_is_asked_for_again(fault):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         bench.robot.fault = fault
 
         await bench.do()
@@ -112,9 +110,7 @@ async def test_a_motion_that_fails_is_asked_for_again(fault):
     ],
 )
 async def test_a_halt_during_a_motion_lets_it_end_and_sends_nothing_more(name, state):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(PLAN).at(POSE) as bench:
         before = len(bench.robot.moves)
         await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
@@ -133,9 +129,7 @@ async def test_a_way_on_which_the_arm_was_halted_is_gone_on_with_from_there():
     plan = make_plan((1, 2), settle_s=0.1)
     (place,) = plan.placements
     poses = (make_pose(1, via_rad=stops), *place.poses[1:])
-    async with Bench(replace(plan, placements=(replace(place, poses=poses),))) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(replace(plan, placements=(replace(place, poses=poses),))).at(POSE) as bench:
         before = len(bench.robot.moves)
         await bench.press(CommandName.CONFIRM)
         while len(bench.robot.moves) < before + 2:
@@ -155,12 +149,7 @@ async def test_a_planned_way_on_which_something_touches_by_now_waits_for_a_perso
     async def look(ways):
         return message("room.be_ready") if blocked in map(tuple, ways.end_rad.tolist()) else ""
 
-    bench = Bench(PLAN)
-    bench.cell = replace(bench.cell, look_at_ways=look)
-    bench.runner = bench._runner()
-    async with bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(PLAN, look_at_ways=look).at(POSE) as bench:
         before = len(bench.robot.moves)
 
         await bench.do()
@@ -180,12 +169,7 @@ async def test_a_way_that_is_none_of_the_plans_is_looked_at_with_the_fixture_tha
         seen.append((place.number, cup, tuple(ways.start_rad[0].tolist())))
         return ""
 
-    bench = Bench(PLAN)
-    bench.cell = replace(bench.cell, look_past_fixture=look)
-    bench.runner = bench._runner()
-    async with bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(PLAN, look_past_fixture=look).at(POSE) as bench:
         bench.robot.joints = elsewhere = (0.9, *joints(1)[1:-1], 0.1)
         await bench.clock.advance(1.0)
         await bench.press(CommandName.STOP)
@@ -212,9 +196,7 @@ async def test_a_halt_that_is_asked_for_while_a_motion_is_being_confirmed_comes_
 
 
 async def test_after_a_pause_the_cell_is_looked_at_again():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         await bench.press(CommandName.PAUSE)
 
         await bench.press(CommandName.RESUME)
@@ -227,9 +209,7 @@ async def test_after_a_pause_the_cell_is_looked_at_again():
 
 
 async def test_after_a_restart_the_same_step_is_there_and_nothing_moves_before_a_person_confirms():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until("placement-1/pose-1/move")
+    async with Bench(PLAN).at(POSE) as bench:
         await bench.press(CommandName.CONFIRM)
         await bench.clock.advance(0.5)
         before = list(bench.robot.moves)
@@ -237,7 +217,7 @@ async def test_after_a_restart_the_same_step_is_there_and_nothing_moves_before_a
         await bench.restart()
         await bench.clock.advance(10.0)
 
-        assert bench.present == "placement-1/pose-1/move"
+        assert bench.present == POSE
         assert bench.now.state is SessionState.AWAITING_CONFIRMATION
         assert bench.robot.moves == before
         await bench.press(CommandName.CONFIRM)
@@ -263,9 +243,7 @@ async def test_every_reading_survives_a_restart_at_every_step():
 
 
 async def test_an_arm_that_was_moved_while_the_program_was_off_loses_its_stop():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         await bench.kill()
         bench.robot.joints = joints(7)
         await bench.restart()

@@ -6,22 +6,15 @@ import pytest
 
 from tests.unit.service.sessions.ballbar.fakes import Bench, turns
 from tests.unit.service.sessions.ballbar.runner.test_slow_disk import begin_motion
-from tests.unit.service.sessions.ballbar.sessions import make_plan
+from tests.unit.service.sessions.ballbar.sessions import CUP, LEG, PLAN, POSE, make_plan
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.engine.commands import CommandName
 
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
-LEG = "placement-1/pose-1/leg-1-2"
-POSE = "placement-1/pose-1/move"  # with a stop on its way
-CUP = "placement-1/cup-1/move"
-
 
 async def test_a_length_that_is_refused_is_stored_once_the_disk_takes_it():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         await bench.clear_hands(LEG)
         bench.disk.fill()
         bench.hands.do_as_asked(LEG)
@@ -39,9 +32,7 @@ async def test_a_length_that_is_refused_is_stored_once_the_disk_takes_it():
 
 
 async def test_an_arrival_that_is_refused_is_on_record_later_and_the_arm_stays():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         await begin_motion(bench, CUP)
         bench.disk.fill()
         await bench.clock.advance(10.0)
@@ -65,9 +56,7 @@ async def test_an_arrival_that_is_refused_is_on_record_later_and_the_arm_stays()
 )
 @pytest.mark.parametrize("moving", [True, False])
 async def test_a_halt_that_is_refused_holds_and_is_kept_later(name, state, moving):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(POSE)
+    async with Bench(PLAN).at(POSE) as bench:
         before = len(bench.robot.moves)
         if moving:
             await begin_motion(bench, POSE)
@@ -91,9 +80,7 @@ async def test_a_halt_that_is_refused_holds_and_is_kept_later(name, state, movin
 
 
 async def test_an_end_that_is_refused_at_a_pause_does_not_come_back_at_the_resumption():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(POSE)
+    async with Bench(PLAN).at(POSE) as bench:
         await bench.press(CommandName.PAUSE)
         bench.disk.fill()
         with pytest.raises(RecordRefusedError):
@@ -108,9 +95,7 @@ async def test_an_end_that_is_refused_at_a_pause_does_not_come_back_at_the_resum
 
 
 async def test_a_confirmation_that_is_refused_moves_nothing_then_or_later():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         bench.disk.fill()
         with pytest.raises(RecordRefusedError):
             await bench.press(CommandName.CONFIRM)
@@ -160,9 +145,7 @@ async def press_until_kept(bench, name, step_id):
 
 
 async def test_a_session_that_is_taken_up_on_a_full_disk_waits_for_it():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         bench.disk.fill()
         await bench.restart()
         await asyncio.sleep(0)

@@ -5,15 +5,10 @@ import asyncio
 import pytest
 
 from tests.unit.service.sessions.ballbar.fakes import Bench, turns
-from tests.unit.service.sessions.ballbar.sessions import make_plan
+from tests.unit.service.sessions.ballbar.sessions import CUP, LEG, PLAN, POSE, make_plan
 from truepose.domain.session import SessionState
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.errors import NotNowError
-
-PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
-LEG = "placement-1/pose-1/leg-1-2"
-CUP = "placement-1/cup-1/move"
-POSE = "placement-1/pose-1/move"  # with a stop on its way
 
 
 class DiskFullError(Exception):
@@ -47,9 +42,7 @@ async def begin_motion(bench, step_id):
 
 
 async def test_the_button_and_the_ballbar_do_not_wait_for_each_other():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
         await bench.clear_hands(LEG)
         take_time(bench, 0.5)  # longer than a length must stand still to be stored by itself
         bench.hands.do_as_asked(LEG)
@@ -66,9 +59,7 @@ async def test_the_button_and_the_ballbar_do_not_wait_for_each_other():
 
 
 async def test_the_end_may_be_asked_for_while_a_pause_is_being_kept():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         take_time(bench, 0.4)
         bench.robot.motion_s = 0.2  # it ends before the pause is on the disk
         await begin_motion(bench, CUP)
@@ -83,9 +74,7 @@ async def test_the_end_may_be_asked_for_while_a_pause_is_being_kept():
 
 
 async def test_a_stop_that_the_disk_does_not_take_stops_all_the_same():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(POSE)
+    async with Bench(PLAN).at(POSE) as bench:
         before = len(bench.robot.moves)
         await begin_motion(bench, POSE)
 
@@ -104,9 +93,7 @@ async def test_a_stop_that_the_disk_does_not_take_stops_all_the_same():
 
 @pytest.mark.parametrize("ending", [True, False])
 async def test_a_failure_on_a_full_disk_is_on_record_once_there_is_room(ending):
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         if ending:
             await begin_motion(bench, CUP)
             await bench.press(CommandName.ABORT, step_id=None)
@@ -126,9 +113,7 @@ async def unplugged(*_, **__):
 
 
 async def test_a_run_ends_with_what_failed_first_also_where_that_cannot_be_put_on_record():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
+    async with Bench(PLAN).at(LEG) as bench:
 
         async def lost():
             raise DiskFullError
@@ -143,9 +128,7 @@ async def test_a_run_ends_with_what_failed_first_also_where_that_cannot_be_put_o
 
 
 async def test_a_button_pressed_before_the_restart_is_on_record_comes_after_it():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(PLAN).at(CUP) as bench:
         await bench.kill()
         bench.runner = bench._runner()
 
@@ -161,9 +144,7 @@ async def test_a_button_pressed_before_the_restart_is_on_record_comes_after_it()
 
 async def test_nothing_moves_on_a_statement_that_was_under_way_for_long():
     plan = make_plan((1, 2), state_age_s=0.05, settle_s=0.1)
-    async with Bench(plan) as bench:
-        await bench.start()
-        await bench.until(CUP)
+    async with Bench(plan).at(CUP) as bench:
         read = bench.robot.read_joints
 
         async def late():
@@ -181,13 +162,8 @@ async def test_nothing_moves_on_a_statement_that_was_under_way_for_long():
 
 
 async def test_a_pose_is_skipped_also_where_the_ballbar_was_to_be_put_on_its_calibrator():
-    async with Bench(PLAN) as bench:
-        await bench.start()
-        await bench.until(LEG)
-        bench.bar.plugged = False
-        await bench.clock.advance(1.0)
-        bench.bar.plugged = True
-        await bench.clock.advance(5.0)
+    async with Bench(PLAN).at(LEG) as bench:
+        await bench.replug()
         assert bench.present == f"{LEG}/initialise"
 
         await bench.press(CommandName.SKIP, reason="it will not come back")

@@ -12,14 +12,13 @@ from tests.helpers.machine import HANGS_S
 from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sessions.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.engine.commands import CommandName, OperatorCommand
 from truepose.sessions.engine.prompts import CELL_CLEAR
 from truepose.sessions.errors import NotNowError
 from truepose.sessions.tracker.runner import TrackerRunner
-
-REFUSED_ONCE = ("state_changed", "point_taken", "fixed_nest_taken", "stop_skipped", "registered", "noted")
 
 
 def states(cell):
@@ -61,15 +60,18 @@ class Run:
         return self.task.result()
 
 
-async def refused(run):
-    await asyncio.wait_for(run.cell.journal.refused.wait(), HANGS_S)
-    await asyncio.sleep(0)
+@contextlib.asynccontextmanager
+async def on_full_disk():
+    """A session that was confirmed, and whose disk is full since the motion to its first stop."""
+    async with Run(full_at_motion=1) as run:  # the second motion
+        await run.confirm()
+        await asyncio.wait_for(run.cell.journal.refused.wait(), HANGS_S)
+        await asyncio.sleep(0)
+        yield run
 
 
 async def test_a_reading_that_is_refused_is_kept_and_written_and_nothing_moves_meanwhile():
-    async with Run(full_at_motion=1) as run:  # the second motion is the one to the first stop
-        await run.confirm()
-        await refused(run)
+    async with on_full_disk() as run:  # the second motion is the one to the first stop
         moved, read = len(run.cell.robot.moves), run.cell.tracker.measurements
 
         assert "cannot be written (database or disk is full). Nothing moves." in english(run.runner.trouble)
@@ -88,9 +90,7 @@ async def test_a_reading_that_is_refused_is_kept_and_written_and_nothing_moves_m
 
 
 async def test_an_end_that_cannot_be_recorded_takes_effect_and_is_recorded_later():
-    async with Run(full_at_motion=1) as run:
-        await run.confirm()
-        await refused(run)
+    async with on_full_disk() as run:
         moved = len(run.cell.robot.moves)
 
         said = await asking.end(run.runner, "Eva")
@@ -105,10 +105,7 @@ async def test_an_end_that_cannot_be_recorded_takes_effect_and_is_recorded_later
 
 
 async def test_a_pause_that_cannot_be_recorded_takes_effect_and_can_be_resumed():
-    async with Run(full_at_motion=1) as run:
-        await run.confirm()
-        await refused(run)
-
+    async with on_full_disk() as run:
         assert "cannot be written" in english(await asking.pause(run.runner, "Eva"))
         run.cell.journal.make_room()
         await until(lambda: run.runner.state is SessionState.PAUSED)
@@ -119,9 +116,7 @@ async def test_a_pause_that_cannot_be_recorded_takes_effect_and_can_be_resumed()
 
 
 async def test_the_request_of_a_halt_that_holds_gets_the_same_answer_again():
-    async with Run(full_at_motion=1) as run:
-        await run.confirm()
-        await refused(run)
+    async with on_full_disk() as run:
         pause = OperatorCommand(CommandName.PAUSE, "Eva", key="tap-1")
         answers = [await run.runner.ask(replace(pause)) for _ in range(2)]
         for other in (replace(pause, key="tap-2"), replace(pause, name=CommandName.ABORT)):
@@ -161,8 +156,7 @@ async def test_a_confirmation_that_cannot_be_recorded_moves_nothing():
 async def test_every_record_of_a_session_may_be_refused_once():
     async with Run() as run:
         journal = run.cell.journal
-        for name in REFUSED_ONCE:
-            setattr(journal, name, refusing_first(journal, getattr(journal, name)))
+        journal.before = refusing_first(journal)
 
         while not run.task.done():
             if run.runner.state is SessionState.AWAITING_CONFIRMATION and run.runner.trouble is None:
@@ -176,26 +170,33 @@ async def test_every_record_of_a_session_may_be_refused_once():
         assert states(run.cell)[-1] is SessionState.FINISHED
 
 
-def refusing_first(journal, keep):
-    """Return `keep` that refuses every record once before it takes it."""
-    turn = False
+# Not that a step begins: a person who has the session go on is asked again before its motion, for ever.
+REFUSED_ONCE = {
+    EntryKind.CONTROL,
+    EntryKind.MEASURED,
+    EntryKind.READ,
+    EntryKind.SKIPPED,
+    EntryKind.COMPUTED,
+    EntryKind.NOTED,
+}
 
-    async def kept(*args):
-        nonlocal turn
-        turn = not turn
-        if turn:
+
+def refusing_first(journal):
+    """Return what refuses every line of these kinds once before it is taken."""
+    refused = set()
+
+    async def refuse(entry):
+        if entry.kind in REFUSED_ONCE - refused:
+            refused.add(entry.kind)
             journal.has_room.clear()
             raise RecordRefusedError("database is locked")
-        return await keep(*args)
+        refused.discard(entry.kind)
 
-    return kept
+    return refuse
 
 
 async def test_what_makes_no_sense_is_refused_also_while_the_disk_refuses():
-    async with Run(full_at_motion=1) as run:
-        await run.confirm()
-        await refused(run)
-
+    async with on_full_disk() as run:
         with pytest.raises(NotNowError):
             await asking.resume(run.runner, "Eva")
         with pytest.raises(NotNowError):

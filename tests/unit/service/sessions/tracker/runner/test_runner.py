@@ -10,7 +10,7 @@ import pytest
 from tests.helpers.domain import asking
 from tests.helpers.domain.asking import question
 from tests.unit.service.sessions.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
-from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session, until
+from tests.unit.service.sessions.tracker.operators import PatientOperator, begun, run_session, until
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
 from truepose.sessions.engine.nominal_arm import nest_in_world
@@ -23,9 +23,7 @@ def states(cell):
     return [state for state, _, _ in cell.journal.states]
 
 
-async def test_every_planned_configuration_is_measured_and_stored_once():
-    cell = FakeCell()
-
+async def test_every_planned_configuration_is_measured_and_stored_once(cell):
     ended = await run_session(cell, make_plan(12))
 
     assert ended is SessionState.FINISHED
@@ -49,8 +47,7 @@ async def test_a_stored_point_is_where_the_arm_truly_was_in_the_world():
         assert point.position_world_mm == pytest.approx(true + cell.tracker.arm_error_mm, abs=1e-8)
 
 
-async def test_a_stop_is_kept_with_everything_known_of_it():
-    cell = FakeCell()
+async def test_a_stop_is_kept_with_everything_known_of_it(cell):
     cell.cell = replace(cell.cell, attachment=4)
     stop = make_stop(1, nest=2)
 
@@ -63,8 +60,7 @@ async def test_a_stop_is_kept_with_everything_known_of_it():
     assert first.time_s < second.time_s
 
 
-async def test_every_stop_is_approached_from_below_on_all_joints():
-    cell = FakeCell()
+async def test_every_stop_is_approached_from_below_on_all_joints(cell):
     plan = make_plan(2)
 
     await run_session(cell, plan)
@@ -76,8 +72,7 @@ async def test_every_stop_is_approached_from_below_on_all_joints():
     assert {point.direction for point in cell.journal.points} == {(1,) * 6}
 
 
-async def test_without_an_approach_the_direction_is_that_of_the_way_from_stop_to_stop():
-    cell = FakeCell()
+async def test_without_an_approach_the_direction_is_that_of_the_way_from_stop_to_stop(cell):
     plan = make_plan(3, approach_offset_rad=None)
 
     await run_session(cell, plan)
@@ -86,12 +81,8 @@ async def test_without_an_approach_the_direction_is_that_of_the_way_from_stop_to
     assert [point.direction for point in cell.journal.points] == [tuple(np.sign(w)) for w in way]
 
 
-async def test_nothing_moves_before_a_named_person_has_confirmed():
-    cell = FakeCell()
-    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-
-    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
+async def test_nothing_moves_before_a_named_person_has_confirmed(cell):
+    runner, running = await begun(cell, make_plan())
     with pytest.raises(PersonMissingError):
         await asking.confirm(runner, "  ")
     for _ in range(100):
@@ -104,16 +95,14 @@ async def test_nothing_moves_before_a_named_person_has_confirmed():
     assert (SessionState.RUNNING, "Eva") in [(state, person) for state, _, person in cell.journal.states]
 
 
-async def test_the_tracker_is_placed_in_the_world_before_the_robot_moves():
-    cell = FakeCell()
+async def test_the_tracker_is_placed_in_the_world_before_the_robot_moves(cell):
     moves_at_registration = []
-    registered = cell.journal.registered
 
-    async def note_moves(registration):
-        moves_at_registration.append(len(cell.robot.moves))
-        await registered(registration)
+    async def note_moves(entry):
+        if entry.registration is not None:
+            moves_at_registration.append(len(cell.robot.moves))
 
-    cell.journal.registered = note_moves
+    cell.journal.before = note_moves
 
     await run_session(cell, make_plan())
 
@@ -121,9 +110,7 @@ async def test_the_tracker_is_placed_in_the_world_before_the_robot_moves():
     assert len([r for r in cell.journal.fixed if r.phase == "registration"]) == 15
 
 
-async def test_fixed_nests_are_read_before_every_tenth_configuration_and_after():
-    cell = FakeCell()
-
+async def test_fixed_nests_are_read_before_every_tenth_configuration_and_after(cell):
     await run_session(cell, make_plan(25))
 
     references = [reading for reading in cell.journal.fixed if reading.phase == "reference"]
@@ -131,8 +118,7 @@ async def test_fixed_nests_are_read_before_every_tenth_configuration_and_after()
     assert [reading.fixed_nest for reading in references] == [1, 2, 3] * 4
 
 
-async def test_both_faces_are_compared_and_the_session_measures_on_the_first():
-    cell = FakeCell()
+async def test_both_faces_are_compared_and_the_session_measures_on_the_first(cell):
     cell.tracker.two_face_mm = 0.02
 
     await run_session(cell, make_plan())
@@ -142,9 +128,8 @@ async def test_both_faces_are_compared_and_the_session_measures_on_the_first():
     assert cell.tracker.face == 1
 
 
-async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins_again():
-    cell = FakeCell()
-    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
+async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins_again(cell):
+    runner, running = await begun(cell, make_plan(3))
     answers = []
 
     async def ask_for_a_pause_during_the_fourth_motion():
@@ -152,8 +137,6 @@ async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins
             answers.append(await asking.pause(runner, "Eva"))
 
     cell.robot.before_move = ask_for_a_pause_during_the_fourth_motion
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
     await asking.confirm(runner, "Eva")
 
     await until(lambda: runner.state is SessionState.PAUSED)
@@ -167,17 +150,14 @@ async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins
     assert [point.config for point in cell.journal.points] == [1, 2, 3]
 
 
-async def test_an_abort_takes_effect_at_the_end_of_the_motion():
-    cell = FakeCell()
-    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
+async def test_an_abort_takes_effect_at_the_end_of_the_motion(cell):
+    runner, running = await begun(cell, make_plan(3))
 
     async def ask_for_the_end():
         if len(cell.robot.moves) == 2:
             await asking.end(runner, "Eva")
 
     cell.robot.before_move = ask_for_the_end
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
     await asking.confirm(runner, "Eva")
 
     assert await running is SessionState.ABORTED
@@ -185,8 +165,7 @@ async def test_an_abort_takes_effect_at_the_end_of_the_motion():
     assert states(cell)[-2:] == [SessionState.ABORTING, SessionState.ABORTED]
 
 
-async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
-    cell = FakeCell()
+async def test_what_makes_no_sense_now_is_refused_with_a_sentence(cell):
     runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
 
     with pytest.raises(NotNowError, match="planned; it cannot become pausing"):
@@ -202,18 +181,15 @@ async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
 
 def bump_the_tracker(cell):
     """Have the tracker be pushed by 0.3 mm after the tenth configuration."""
-    point_taken = cell.journal.point_taken
 
-    async def push(point):
-        if point.config == 10:
+    async def push(entry):
+        if entry.point is not None and entry.point.config == 10:
             cell.tracker.at = cell.tracker.at + np.array([0.0, 0.3, 0.0])
-        return await point_taken(point)
 
-    cell.journal.point_taken = push
+    cell.journal.before = push
 
 
-async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_anew():
-    cell = FakeCell()
+async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_anew(cell):
     operator = PatientOperator()
     bump_the_tracker(cell)
 
@@ -228,8 +204,7 @@ async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_an
     assert last.position_world_mm == pytest.approx(true, abs=1e-8)
 
 
-async def test_a_fixed_nest_off_by_no_more_than_its_readings_scatter_has_not_moved():
-    cell = FakeCell()
+async def test_a_fixed_nest_off_by_no_more_than_its_readings_scatter_has_not_moved(cell):
     cell.tracker.stated_mm = 0.11  # per coordinate: 0.3 mm is less than three times 0.19
     operator = PatientOperator()
     bump_the_tracker(cell)
@@ -238,8 +213,7 @@ async def test_a_fixed_nest_off_by_no_more_than_its_readings_scatter_has_not_mov
     assert len(operator.questions) == 1
 
 
-async def test_a_reading_of_another_reflector_is_never_stored():
-    cell = FakeCell()
+async def test_a_reading_of_another_reflector_is_never_stored(cell):
     cell.tracker.arm_error_mm = np.array([9.0, 9.0, 0.0])  # 12.7 mm off, found only by a wide search
     find = cell.tracker.find_reflector
 
@@ -255,8 +229,7 @@ async def test_a_reading_of_another_reflector_is_never_stored():
     assert cell.journal.points == []
 
 
-async def test_a_reading_that_scatters_is_refused_because_the_arm_is_not_at_rest():
-    cell = FakeCell()
+async def test_a_reading_that_scatters_is_refused_because_the_arm_is_not_at_rest(cell):
     operator = PatientOperator(patience=1)
 
     async def shake():
@@ -270,8 +243,7 @@ async def test_a_reading_that_scatters_is_refused_because_the_arm_is_not_at_rest
 
 
 @pytest.mark.parametrize(("stated_mm", "taken"), [(0.1, True), (0.05, False)])
-async def test_a_tracker_that_states_more_noise_may_scatter_by_it(stated_mm, taken):
-    cell = FakeCell()
+async def test_a_tracker_that_states_more_noise_may_scatter_by_it(stated_mm, taken, cell):
     cell.tracker.rms_mm = 0.3  # 0.35 is twice what 0.1 per coordinate comes to
     measure = cell.tracker.measure_point
 
@@ -286,8 +258,7 @@ async def test_a_tracker_that_states_more_noise_may_scatter_by_it(stated_mm, tak
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-async def test_a_reading_that_is_no_number_is_refused(bad):
-    cell = FakeCell()
+async def test_a_reading_that_is_no_number_is_refused(bad, cell):
     operator = PatientOperator(patience=1)
     measure = cell.tracker.measure_point
 

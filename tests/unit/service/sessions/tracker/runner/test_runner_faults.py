@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
+from tests.unit.service.sessions.stand_ins import refuse
+from tests.unit.service.sessions.tracker.fakes import make_plan
 from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session
 from truepose.domain.session import SessionState
 from truepose.messages.catalogue import english
@@ -22,8 +23,7 @@ from truepose_drivers.errors import (
 LOST = ConnectionLostError("the cable was pulled")
 
 
-async def test_a_large_two_face_error_pauses_before_anything_moves():
-    cell = FakeCell()
+async def test_a_large_two_face_error_pauses_before_anything_moves(cell):
     cell.tracker.two_face_mm = 0.2
     operator = PatientOperator(patience=1)
 
@@ -34,8 +34,7 @@ async def test_a_large_two_face_error_pauses_before_anything_moves():
     assert cell.robot.moves == []
 
 
-async def test_a_blinded_tracker_pauses_the_session_at_the_first_configuration():
-    cell = FakeCell()
+async def test_a_blinded_tracker_pauses_the_session_at_the_first_configuration(cell):
     operator = PatientOperator(patience=1)
 
     async def go_blind():
@@ -50,8 +49,7 @@ async def test_a_blinded_tracker_pauses_the_session_at_the_first_configuration()
     assert cell.journal.skipped == []
 
 
-async def test_after_the_tracker_can_see_again_the_first_configuration_is_measured():
-    cell = FakeCell()
+async def test_after_the_tracker_can_see_again_the_first_configuration_is_measured(cell):
     operator = PatientOperator()
 
     async def go_blind_once():
@@ -69,8 +67,7 @@ async def test_after_the_tracker_can_see_again_the_first_configuration_is_measur
     assert [point.config for point in cell.journal.points] == [1, 2, 3]
 
 
-async def test_a_configuration_that_fails_again_after_the_pause_is_skipped():
-    cell = FakeCell()
+async def test_a_configuration_that_fails_again_after_the_pause_is_skipped(cell):
     hidden = make_plan(3).stops[0].joints_rad
 
     async def hide_one_configuration():
@@ -92,18 +89,10 @@ async def test_a_configuration_that_fails_again_after_the_pause_is_skipped():
     assert [point.config for point in cell.journal.points] == [2, 3]
 
 
-async def test_one_reflector_not_found_later_is_skipped_with_its_reason():
-    cell = FakeCell()
+async def test_one_reflector_not_found_later_is_skipped_with_its_reason(cell):
     plan = make_plan(4)
-    cell.tracker.fixed_nests = cell.tracker.fixed_nests.copy()
-    find = cell.tracker.find_reflector
-
-    async def find_but_for_the_third(near_mm, *, search_radius_mm):
-        if cell.robot.joints == plan.stops[2].joints_rad:
-            raise ReflectorNotFoundError("no reflector near nest 1")
-        await find(near_mm, search_radius_mm=search_radius_mm)
-
-    cell.tracker.find_reflector = find_but_for_the_third
+    gone = ReflectorNotFoundError("no reflector near nest 1")
+    refuse(cell.tracker, "find_reflector", gone, lambda _: cell.robot.joints == plan.stops[2].joints_rad)
 
     ended = await run_session(cell, plan)
 
@@ -112,18 +101,12 @@ async def test_one_reflector_not_found_later_is_skipped_with_its_reason():
     assert [point.config for point in cell.journal.points] == [1, 2, 4]
 
 
-async def test_three_failures_in_a_row_pause_the_session():
-    cell = FakeCell()
+async def test_three_failures_in_a_row_pause_the_session(cell):
     plan = make_plan(9)
     operator = PatientOperator(patience=1)
-    find = cell.tracker.find_reflector
-
-    async def find_the_first_two(near_mm, *, search_radius_mm):
-        if cell.robot.joints in [stop.joints_rad for stop in plan.stops[2:]]:
-            raise ReflectorNotFoundError("fog")
-        await find(near_mm, search_radius_mm=search_radius_mm)
-
-    cell.tracker.find_reflector = find_the_first_two
+    in_fog = [stop.joints_rad for stop in plan.stops[2:]]
+    fog = ReflectorNotFoundError("fog")
+    refuse(cell.tracker, "find_reflector", fog, lambda _: cell.robot.joints in in_fog)
 
     await run_session(cell, plan, operator)
 
@@ -132,20 +115,10 @@ async def test_three_failures_in_a_row_pause_the_session():
     assert [skipped.config for skipped in cell.journal.skipped] == [3, 4]
 
 
-async def test_a_beam_broken_once_is_found_again_at_the_same_stop():
-    cell = FakeCell()
-    # 1 look each at three nests after the hit of the search, 10 for the faces, 15, 3; then the stops
+async def test_a_beam_broken_once_is_found_again_at_the_same_stop(cell):
     operator = PatientOperator()
-    broken = []
-    measure = cell.tracker.measure_point
-
-    async def break_the_beam_once(*, duration_s):
-        if cell.robot.moves and not broken:
-            broken.append(True)
-            raise BeamBrokenError("the beam was interrupted")
-        return await measure(duration_s=duration_s)
-
-    cell.tracker.measure_point = break_the_beam_once
+    broken = BeamBrokenError("the beam was interrupted")
+    refuse(cell.tracker, "measure_point", broken, lambda: bool(cell.robot.moves), once=True)
 
     ended = await run_session(cell, make_plan(2), operator)
 
@@ -156,8 +129,7 @@ async def test_a_beam_broken_once_is_found_again_at_the_same_stop():
 
 
 @pytest.mark.parametrize("fault", [LOST, NoReplyError("the robot says nothing")])
-async def test_a_lost_robot_waits_for_a_person_and_goes_on_where_it_was(fault):
-    cell = FakeCell()
+async def test_a_lost_robot_waits_for_a_person_and_goes_on_where_it_was(fault, cell):
     cell.robot.faults = {5: fault}  # on the way to configuration 3
     operator = PatientOperator()
 
@@ -176,21 +148,12 @@ async def test_a_lost_robot_waits_for_a_person_and_goes_on_where_it_was(fault):
         DriverFaultError("driver acme failed in measure_point (ValueError: The device has no langid)"),
         ImplausibleReadingError("device of driver acme: it states a point 1e+09 m away"),
         DriverError("a word of a driver of somebody else's"),
+        LOST,
     ],
     ids=lambda fault: type(fault).__name__,
 )
-async def test_a_driver_that_fails_has_the_session_wait_with_its_sentence(fault):
-    cell = FakeCell()
-    measure = cell.tracker.measure_point
-    failed = []
-
-    async def fail_once(*, duration_s):
-        if len(cell.journal.points) == 2 and not failed:
-            failed.append(True)
-            raise fault
-        return await measure(duration_s=duration_s)
-
-    cell.tracker.measure_point = fail_once
+async def test_a_driver_that_fails_in_a_reading_has_the_session_wait_and_repeats_nothing(fault, cell):
+    refuse(cell.tracker, "measure_point", fault, lambda: len(cell.journal.points) == 2, once=True)
     operator = PatientOperator()
 
     ended = await run_session(cell, make_plan(4), operator)
@@ -199,41 +162,11 @@ async def test_a_driver_that_fails_has_the_session_wait_with_its_sentence(fault)
     assert str(fault) in operator.questions[1]
     assert [point.config for point in cell.journal.points] == [1, 2, 3, 4]
     assert cell.tracker.initialised == 2
-
-
-async def test_a_tracker_lost_in_the_middle_of_a_reading_loses_and_repeats_nothing():
-    cell = FakeCell()
-    measure = cell.tracker.measure_point
-    lost = []
-
-    async def lose_once(*, duration_s):
-        if len(cell.journal.points) == 2 and not lost:
-            lost.append(True)
-            cell.tracker.connected = False
-            raise LOST
-        return await measure(duration_s=duration_s)
-
-    cell.tracker.measure_point = lose_once
-
-    ended = await run_session(cell, make_plan(4))
-
-    assert ended is SessionState.FINISHED
-    assert [point.config for point in cell.journal.points] == [1, 2, 3, 4]
     assert len(cell.journal.registrations) == 1  # the fixed nests are where they were
 
 
-async def test_a_clock_lost_right_after_a_reading_was_stored_does_not_repeat_it():
-    cell = FakeCell()
-    now_s = cell.clock.now_s
-    lost = []
-
-    async def lose_once():
-        if len(cell.journal.points) == 2 and not lost:
-            lost.append(True)
-            raise LOST
-        return await now_s()
-
-    cell.clock.now_s = lose_once
+async def test_a_clock_lost_right_after_a_reading_was_stored_does_not_repeat_it(cell):
+    refuse(cell.clock, "now_s", LOST, lambda: len(cell.journal.points) == 2, once=True)
 
     ended = await run_session(cell, make_plan(4))
 
@@ -241,17 +174,10 @@ async def test_a_clock_lost_right_after_a_reading_was_stored_does_not_repeat_it(
     assert [point.config for point in cell.journal.points] == [1, 2, 3, 4]
 
 
-async def test_a_configuration_on_which_the_robot_stops_twice_is_left_out():
-    cell = FakeCell()
+async def test_a_configuration_on_which_the_robot_stops_twice_is_left_out(cell):
     plan = make_plan(3)
-    move = cell.robot.move_joints
-
-    async def hang_on_the_second(target_rad):
-        if target_rad == plan.stops[1].joints_rad:
-            raise NoReplyError("the robot says nothing")
-        await move(target_rad)
-
-    cell.robot.move_joints = hang_on_the_second
+    silent = NoReplyError("the robot says nothing")
+    refuse(cell.robot, "move_joints", silent, lambda target_rad: target_rad == plan.stops[1].joints_rad)
 
     ended = await run_session(cell, plan)
 
@@ -260,8 +186,7 @@ async def test_a_configuration_on_which_the_robot_stops_twice_is_left_out():
     assert "interrupted here twice" in cell.journal.skipped[0].reason
 
 
-async def test_a_refused_target_is_skipped_with_the_robots_words():
-    cell = FakeCell()
+async def test_a_refused_target_is_skipped_with_the_robots_words(cell):
     cell.robot.faults = {3: TargetRefusedError("joint 2 out of range")}
 
     ended = await run_session(cell, make_plan(3))
@@ -272,8 +197,7 @@ async def test_a_refused_target_is_skipped_with_the_robots_words():
 
 @pytest.mark.parametrize("refusal", [TargetRefusedError("joint 2 out of range"), BusyError("it still moves")])
 @pytest.mark.parametrize("refused", [2, 3], ids=["the approach", "the stop"])
-async def test_after_a_refused_motion_a_person_looks_at_a_way_that_nobody_planned(refused, refusal):
-    cell = FakeCell()
+async def test_after_a_refused_motion_a_person_looks_at_a_way_that_nobody_planned(refused, refusal, cell):
     cell.robot.faults = {refused: refusal}
     operator, moved = PatientOperator(), []
     operator.before_answer = lambda _: moved.append(len(cell.robot.moves))
@@ -287,18 +211,14 @@ async def test_after_a_refused_motion_a_person_looks_at_a_way_that_nobody_planne
     assert [point.config for point in cell.journal.points] == [1, 3]
 
 
-async def test_a_robot_that_somebody_moved_waits_for_a_person():
-    cell = FakeCell()
+async def test_a_robot_that_somebody_moved_waits_for_a_person(cell):
     operator = PatientOperator()
-    point_taken = cell.journal.point_taken
 
-    async def jog_after_the_second(point):
-        reading_id = await point_taken(point)
-        if point.config == 2:
+    async def jog_after_the_second(entry):
+        if entry.point is not None and entry.point.config == 2:
             cell.robot.joints = tuple(joint + 0.1 for joint in cell.robot.joints)
-        return reading_id
 
-    cell.journal.point_taken = jog_after_the_second
+    cell.journal.before = jog_after_the_second
 
     ended = await run_session(cell, make_plan(4), operator)
 
@@ -306,8 +226,7 @@ async def test_a_robot_that_somebody_moved_waits_for_a_person():
     assert "5.73 deg away from where the last motion left it" in operator.questions[1]
 
 
-async def test_an_arm_that_still_moves_when_a_person_confirms_is_left_alone():
-    cell = FakeCell()
+async def test_an_arm_that_still_moves_when_a_person_confirms_is_left_alone(cell):
     operator = PatientOperator(patience=1)
     sleep = cell.clock.sleep
 
@@ -323,8 +242,7 @@ async def test_an_arm_that_still_moves_when_a_person_confirms_is_left_alone():
     assert cell.robot.moves == []
 
 
-async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured():
-    cell = FakeCell()
+async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured(cell):
     operator = PatientOperator(patience=1)
     settle = cell.clock.sleep
 
@@ -340,8 +258,7 @@ async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured():
     assert cell.journal.points == []
 
 
-async def test_a_stale_robot_state_forbids_motion():
-    cell = FakeCell()
+async def test_a_stale_robot_state_forbids_motion(cell):
     cell.robot.reading_age_s = 2.5
     operator = PatientOperator(patience=1)
 

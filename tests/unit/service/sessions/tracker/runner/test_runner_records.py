@@ -6,10 +6,9 @@ import math
 import pytest
 
 from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
-from tests.unit.service.sessions.tracker.operators import PatientOperator, run_session, until
+from tests.unit.service.sessions.tracker.operators import PatientOperator, begun, run_session
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_drivers.api import Environment
 from truepose_drivers.errors import (
     DeviceRefusedError,
@@ -57,8 +56,7 @@ async def test_a_restart_after_the_tracker_was_moved_places_it_anew():
     assert len(again.journal.registrations) == 1
 
 
-async def test_a_journal_that_cannot_write_ends_the_session_as_failed():
-    cell = FakeCell()
+async def test_a_journal_that_cannot_write_ends_the_session_as_failed(cell):
     cell.journal.full_disk_at = 1
 
     with pytest.raises(OSError, match="no space left"):
@@ -68,9 +66,7 @@ async def test_a_journal_that_cannot_write_ends_the_session_as_failed():
     assert len(cell.robot.moves) == 4
 
 
-async def test_the_time_left_is_learnt_from_the_pace_in_cell_time():
-    cell = FakeCell()
-
+async def test_the_time_left_is_learnt_from_the_pace_in_cell_time(cell):
     await run_session(cell, make_plan(20))
 
     after_ten = next(p for p in cell.journal.progress if p.done == 10)
@@ -81,8 +77,7 @@ async def test_the_time_left_is_learnt_from_the_pace_in_cell_time():
     assert cell.journal.progress[0].remaining_s is None
 
 
-async def test_time_in_which_a_person_is_awaited_is_not_counted():
-    cell = FakeCell()
+async def test_time_in_which_a_person_is_awaited_is_not_counted(cell):
     operator = PatientOperator()
 
     def think(question):
@@ -95,17 +90,14 @@ async def test_time_in_which_a_person_is_awaited_is_not_counted():
     assert cell.journal.progress[-1].elapsed_s < 600.0
 
 
-async def test_devices_introduce_themselves_in_the_record():
-    cell = FakeCell()
-
+async def test_devices_introduce_themselves_in_the_record(cell):
     await run_session(cell, make_plan(1))
 
     assert "The tracker is Leica AT401, serial 390001, firmware 3.8." in cell.journal.notes
     assert any("scale agrees with the certified lengths" in note for note in cell.journal.notes)
 
 
-async def test_what_the_tracker_measures_with_and_in_which_air_is_in_the_record():
-    cell = FakeCell()
+async def test_what_the_tracker_measures_with_and_in_which_air_is_in_the_record(cell):
     cell.tracker.settings = "The tracker measures the reflector RRR 0.5in."
 
     await run_session(cell, make_plan(1))
@@ -122,8 +114,7 @@ async def test_what_the_tracker_measures_with_and_in_which_air_is_in_the_record(
         (DeviceRefusedError("no weather station"), []),
     ],
 )
-async def test_air_that_no_station_measures_is_not_made_up(air, told):
-    cell = FakeCell()
+async def test_air_that_no_station_measures_is_not_made_up(air, told, cell):
     cell.tracker.air = air
 
     await run_session(cell, make_plan(1))
@@ -132,11 +123,8 @@ async def test_air_that_no_station_measures_is_not_made_up(air, told):
     assert not any("measures the" in note for note in cell.journal.notes)  # it says nothing of itself
 
 
-async def test_a_cancelled_run_leaves_the_record_as_it_was():
-    cell = FakeCell()
-    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
+async def test_a_cancelled_run_leaves_the_record_as_it_was(cell):
+    _, running = await begun(cell, make_plan())
 
     running.cancel()
 

@@ -10,6 +10,7 @@ from tests.unit.service.sessions.tracker.operators import PatientOperator, run_s
 from truepose.domain.session import SessionState
 from truepose.sessions.errors import ReadingRejectedError
 from truepose.sessions.tracker.reference_nests import AIMED_RADIUS_MM, locate_tracker
+from truepose.sessions.tracker.registration import to_tracker
 from truepose_drivers.errors import ConnectionLostError
 
 CERTIFIED = np.array([nest.centre_mm for nest in FIXED_NESTS])
@@ -27,8 +28,7 @@ async def test_whatever_way_the_tracker_faces_its_frame_is_found(azimuth):
 
     frame = await located(cell)
 
-    for nest in CERTIFIED:
-        assert frame.to_tracker(nest) == pytest.approx(cell.tracker.in_tracker(nest), abs=1e-6)
+    assert to_tracker(frame, CERTIFIED) == pytest.approx(cell.tracker.in_tracker(CERTIFIED), abs=1e-6)
 
 
 async def test_a_tracker_that_stands_beside_its_nominal_place_is_found():
@@ -58,8 +58,7 @@ async def test_places_that_lead_to_other_reflectors_are_given_up_for_the_search(
     assert frame.translation_mm == pytest.approx(TRACKER_AT, abs=1e-6)
 
 
-async def test_an_empty_fixed_nest_is_said_so_and_nothing_is_guessed():
-    cell = FakeCell()
+async def test_an_empty_fixed_nest_is_said_so_and_nothing_is_guessed(cell):
     cell.tracker.fixed_nests = cell.tracker.fixed_nests.copy()
     cell.tracker.fixed_nests[1] += 1e5  # taken away
 
@@ -67,16 +66,14 @@ async def test_an_empty_fixed_nest_is_said_so_and_nothing_is_guessed():
         await located(cell)
 
 
-async def test_a_lost_link_is_no_empty_place():
-    cell = FakeCell()
+async def test_a_lost_link_is_no_empty_place(cell):
     cell.tracker.find_faults = {4: ConnectionLostError("gone")}
 
     with pytest.raises(ConnectionLostError):
         await located(cell)
 
 
-async def test_a_session_that_knows_neither_place_nor_aim_pauses_with_what_to_do():
-    cell = FakeCell()
+async def test_a_session_that_knows_neither_place_nor_aim_pauses_with_what_to_do(cell):
     cell.cell = replace(cell.cell, tracker_position_mm=None)
     operator = PatientOperator(patience=1)
 

@@ -82,9 +82,7 @@ def test_the_plan_lists_the_warm_up_before_the_world_frame():
     assert "warm-up" not in [step.id for step in steps(make_plan(2), NESTS)]
 
 
-async def test_a_session_warms_up_until_the_readings_agree_and_only_then_registers():
-    cell = FakeCell()
-
+async def test_a_session_warms_up_until_the_readings_agree_and_only_then_registers(cell):
     assert await run_session(cell, PLAN) is SessionState.FINISHED
 
     phases = [taken.phase for taken in cell.journal.fixed]
@@ -92,8 +90,7 @@ async def test_a_session_warms_up_until_the_readings_agree_and_only_then_registe
     assert phases.index("registration") > max(i for i, phase in enumerate(phases) if phase == "warm_up")
 
 
-async def test_a_session_goes_on_warming_after_a_restart():
-    cell = FakeCell()
+async def test_a_session_goes_on_warming_after_a_restart(cell):
     await run_session(cell, PLAN)
     entries = tuple(cell.journal.entries)
     cut = next(i for i, entry in enumerate(entries) if entry.fixed_nest) + 4 * NESTS
