@@ -14,7 +14,7 @@ from truepose.exchange.results.circles_and_spheres import circle_document
 from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import TableOrFile, known_robot, readings_given
+from truepose.notebook.inputs import TableOrFile, known_robot, on_one_thread, readings_given
 from truepose.notebook.model import Model
 from truepose.reports.circles import CircleReport, circle_table, circle_test_sentences
 from truepose.validation.circle_test import CircleTest, circle_test
@@ -85,6 +85,7 @@ class CircleErrors:
         )
 
 
+@on_one_thread
 def circles(points: TableOrFile, robot: Model | str | Path) -> CircleErrors:
     """Say what each joint errs by, turned alone.
 

@@ -22,7 +22,7 @@ from truepose.messages.catalogue import english
 from truepose.messages.message import Message
 from truepose.notebook import display
 from truepose.notebook.display import frame
-from truepose.notebook.inputs import TableOrFile, named_data
+from truepose.notebook.inputs import TableOrFile, named_data, on_one_thread
 from truepose.notebook.model import Model, model_given
 from truepose.reports.correction import correction_sentences
 
@@ -112,6 +112,7 @@ class Corrections:
         return display.page(display.paragraphs(self.remarks), display.first_rows(head, rows))
 
 
+@on_one_thread
 def correct(
     model: Model | str | Path,
     targets: TableOrFile,

@@ -19,7 +19,7 @@ from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.display import STATISTICS, change_of, count_text, finding_texts, frame, rows_of
-from truepose.notebook.inputs import Progress, effects_given
+from truepose.notebook.inputs import Progress, effects_given, on_one_thread
 from truepose.notebook.model import Model
 from truepose.validation.outcome import outcome_of
 
@@ -158,6 +158,7 @@ def _row(finding: domain.Finding) -> dict[str, object]:
     }
 
 
+@on_one_thread
 def diagnose(
     campaign: Campaign | str | Path, effects: Sequence[str] | None = None, progress: Progress | None = None
 ) -> Diagnosis:

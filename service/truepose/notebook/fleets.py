@@ -26,7 +26,7 @@ from truepose.messages.message import message
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import Progress
+from truepose.notebook.inputs import Progress, on_one_thread
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -138,6 +138,7 @@ class Fleet:
         return display.page(display.paragraphs((repr(self),)), *([table] if shown else []))
 
 
+@on_one_thread
 def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fleet:
     """Say what robots of one type share, which of them changes, since when, and whether it is the instrument.
 

@@ -17,7 +17,7 @@ from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.display import STATISTICS, change, count_text, frame, parameter_table, rows_of
 from truepose.notebook.fleets import Fleet
-from truepose.notebook.inputs import Progress, effects_given
+from truepose.notebook.inputs import Progress, effects_given, on_one_thread
 from truepose.notebook.model import Model
 from truepose.validation.outcome import outcome_of
 
@@ -141,6 +141,7 @@ class Identification:
         )
 
 
+@on_one_thread
 def identify(
     campaign: Campaign | str | Path,
     effects: Sequence[str] | None = None,

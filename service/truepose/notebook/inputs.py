@@ -1,11 +1,12 @@
 """What a notebook gives: files, tables, arrays, and the robot they are of."""
 
 import csv
+import functools
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, Protocol, TypeAlias, TypeVar
+from typing import Any, Final, ParamSpec, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +22,26 @@ from truepose.exchange.tables.points import POSITION
 from truepose.exchange.tables.table_reader import Arrays, TableData
 from truepose.messages.message import Text
 
+P = ParamSpec("P")
 T = TypeVar("T")
 Progress: TypeAlias = Callable[[float, Text], None]
+
+
+def on_one_thread(compute: Callable[P, T]) -> Callable[P, T]:
+    """Return what computes the same with linear algebra on one thread, and leaves the threads as they were.
+
+    The answer has the bits of a command's and of a service's then, and is there sooner: matrices are too
+    small for threads, which wait for each other (decision 0086).
+    """
+
+    @functools.wraps(compute)
+    def computed(*args: P.args, **kwargs: P.kwargs) -> T:
+        from threadpoolctl import threadpool_limits
+
+        with threadpool_limits(limits=1, user_api="blas"):
+            return compute(*args, **kwargs)
+
+    return computed
 
 
 def read_if_path(given: T | str | Path, kind: type[T], read: Callable[[str | Path], T], advice: str) -> T:

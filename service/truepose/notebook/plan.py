@@ -15,7 +15,7 @@ from truepose.exchange.tables.fields import NO_REPEAT, joint_names
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import path_of
+from truepose.notebook.inputs import on_one_thread, path_of
 from truepose.planning.prediction.errors import CurvePoint
 from truepose.planning.prediction.plan import PromisedPlan
 from truepose.planning.prediction.robots_and_cells import of_cell
@@ -118,6 +118,7 @@ def _row(point: CurvePoint) -> dict[str, float]:
     }
 
 
+@on_one_thread
 def plan(
     cell: str | Path,
     n: int | None = None,

@@ -14,7 +14,7 @@ from truepose.identification import predict as predict_positions
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import count_text, frame
-from truepose.notebook.inputs import TableOrFile, readings_given
+from truepose.notebook.inputs import TableOrFile, on_one_thread, readings_given
 from truepose.notebook.model import Model, model_given
 from truepose.reports.rounding import millimetres
 from truepose.validation.cautions import prediction_cautions
@@ -91,6 +91,7 @@ class Predictions:
         )
 
 
+@on_one_thread
 def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     """Predict where the nests are.
 

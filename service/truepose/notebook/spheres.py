@@ -15,6 +15,7 @@ from truepose.messages.catalogue import IN_ENGLISH, english
 from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.display import count_text, frame
+from truepose.notebook.inputs import on_one_thread
 from truepose.notebook.model import Model, model_given
 from truepose.reports.spheres import SphereReport, sphere_table, sphere_test_sentences
 from truepose.reports.traceability import ReportConditions
@@ -93,6 +94,7 @@ class SphereErrors:
         )
 
 
+@on_one_thread
 def sphere(
     campaign: Campaign | str | Path, models: Mapping[str, Model | str | Path] | None = None
 ) -> SphereErrors:

@@ -21,7 +21,7 @@ from truepose.identification import judge
 from truepose.messages.catalogue import english
 from truepose.notebook import display
 from truepose.notebook.display import STATISTICS, change, count_text, frame, rows_of
-from truepose.notebook.inputs import TableOrFile, readings_given
+from truepose.notebook.inputs import TableOrFile, on_one_thread, readings_given
 from truepose.notebook.model import Model, model_given
 from truepose.reports.pose_test import pose_test_table, withheld_sentences
 from truepose.validation.cautions import pose_test_caution, validation_cautions
@@ -154,6 +154,7 @@ class Validation:
         ))
 
 
+@on_one_thread
 def validate(
     model: Model | str | Path,
     points: TableOrFile,

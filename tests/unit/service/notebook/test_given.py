@@ -1,9 +1,12 @@
 """What functions take: the thing itself, or a path to it; of anything else they say what it is not."""
 
+import inspect
+import pydoc
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import truepose as tp
 from tests.unit.service.notebook.conftest import EXAMPLES
@@ -76,3 +79,25 @@ def test_what_the_message_says_already_is_not_said_below_it(diagnosed):
     told = replace(answer, message=f"Something is wrong. {rest}")
 
     assert tp.Diagnosis(told)._repr_html_().count(rest) == 1
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_linear_algebra_has_one_thread_while_it_is_computed_and_its_own_again_after(campaign, threads):
+    def used():
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    seen = []
+    with threadpool_limits(threads, user_api="blas"):
+        tp.identify(campaign, ["base"], lambda *_: seen.append(used()))
+        after = used()
+
+    assert seen
+    assert all(threads_then == {1} for threads_then in seen)
+    assert after == {threads}
+
+
+def test_a_decorated_function_is_still_told_by_help():
+    told = pydoc.plain(pydoc.render_doc(tp.identify))
+
+    assert list(inspect.signature(tp.identify).parameters)[:2] == ["campaign", "effects"]
+    assert "Identify the robot of a campaign" in told
