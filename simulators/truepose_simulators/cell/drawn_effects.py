@@ -17,6 +17,7 @@ from truepose_simulators.physics.arm import Arm, CarriedMass
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.effects.backlash import MEASURED_GAPS_DEG
 from truepose_simulators.physics.effects.link_bending import Beam, sag_mm
+from truepose_simulators.physics.effects.rigid_change import unit_or_drawn
 from truepose_simulators.physics.rigid import FloatArray
 
 _ANGLES = 20_001  # of one turn at which the curve is looked at: hundreds a period of the highest order
@@ -139,7 +140,7 @@ def _masses(
 ) -> Iterator[PlantedChange]:
     for stated in (*arm.masses, *([] if tool is None else [tool])):
         extra_kg = k * _MASS_SHARE * stated.mass_kg * float(rng.uniform(-1.0, 1.0))
-        shift_mm = _listed(k * _CENTRE_MM * _any_direction(rng))
+        shift_mm = (k * _CENTRE_MM * unit_or_drawn(None, rng)).tolist()
         name, subject = ("payload", "tool") if stated is tool else ("link_mass", f"link {stated.joint}")
         yield PlantedChange(name, subject, extra_kg, details={"centre_shift_mm": shift_mm})
 
@@ -155,27 +156,16 @@ def _soft_parts(arm: Arm, tool: CarriedMass | None, k: float) -> Iterator[Plante
 def _nests(n_nests: int, k: float, rng: np.random.Generator) -> Iterator[PlantedChange]:
     for nest in range(1, n_nests + 1):
         offset_mm = k * _NEST_MM * rng.standard_normal(3)
-        details = {"direction": _listed(offset_mm)}
+        details = {"direction": offset_mm.tolist()}
         yield PlantedChange("nest_offset", f"nest {nest}", float(np.linalg.norm(offset_mm)), details=details)
 
 
 def _slow_changes(k: float, rng: np.random.Generator) -> Iterator[PlantedChange]:
     drift = {
         "rotation_rad_per_h": k * _DRIFT_RAD_PER_H,
-        "direction": _listed(_any_direction(rng)),
-        "axis": _listed(_any_direction(rng)),
+        "direction": unit_or_drawn(None, rng).tolist(),
+        "axis": unit_or_drawn(None, rng).tolist(),
     }
     yield PlantedChange("base_drift", "base", k * _DRIFT_MM_PER_H, details=drift)
     warm_up = {"warm_up_k": k * _WARM_UP_K, "time_constant_s": _WARM_UP_S}
     yield PlantedChange("thermal_growth", "links", _EXPANSION_PER_K, details=warm_up)
-
-
-def _any_direction(rng: np.random.Generator) -> FloatArray:
-    drawn = rng.standard_normal(3)
-    unit: FloatArray = drawn / np.linalg.norm(drawn)
-    return unit
-
-
-def _listed(vector: FloatArray) -> list[float]:
-    """Return a vector as files and requests would state it."""
-    return [float(part) for part in vector]

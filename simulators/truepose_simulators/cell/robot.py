@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose_simulators.errors import SimulatorError
-from truepose_simulators.physics.arm import Arm, place_bodies
+from truepose_simulators.physics.arm import Arm, Bodies, place_bodies
 from truepose_simulators.physics.rigid import FloatArray
 
 # A joint target crosses the wire with at most five decimals of a degree, 9e-8 rad.
@@ -152,7 +152,11 @@ def check_range(arm: Arm, target_rad: FloatArray) -> None:
         )
 
 
+def nominal_bodies(arm: Arm, joints_rad: FloatArray) -> Bodies:
+    """Place the bodies of the arm as its maker means it to be, of joints (n, J)."""
+    return place_bodies(arm, np.broadcast_to(np.eye(4), (arm.n_joints + 2, 4, 4)), joints_rad)
+
+
 def nominal_flange(arm: Arm, joints_rad: FloatArray) -> FloatArray:
     """Last frame of the arm as its maker means it to be, (n, J) -> (n, 4, 4)."""
-    no_errors = np.broadcast_to(np.eye(4), (arm.n_joints + 2, 4, 4))
-    return place_bodies(arm, no_errors, joints_rad).last_frame
+    return nominal_bodies(arm, joints_rad).last_frame

@@ -11,9 +11,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from truepose_simulators.cell.robot import nominal_flange
+from truepose_simulators.cell.robot import nominal_bodies, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.physics.arm import place_bodies
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 from truepose_simulators.recording.nominal_tables import papers_of_cell
@@ -222,10 +221,9 @@ def _arrived(
 ) -> tuple[FloatArray, NestNumbers]:
     """Newton steps of least motion that bring the nest to its place, all stops at once."""
     arm = cell.plant.arm
-    no_errors = np.broadcast_to(np.eye(4), (arm.n_joints + 2, 4, 4))
     joints = joints_rad.copy()
     for _ in range(_STEPS):
-        bodies = place_bodies(arm, no_errors, joints)
+        bodies = nominal_bodies(arm, joints)
         places = move(bodies.last_frame, nest_mm)
         levers = places[:, np.newaxis] - bodies.axis_points_mm
         slopes = np.swapaxes(np.cross(bodies.axis_directions, levers), 1, 2)

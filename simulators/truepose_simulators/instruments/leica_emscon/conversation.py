@@ -5,7 +5,7 @@ Commands that they lack here (point lists, continuous modes other than that by t
 probes too) are answered NotImplemented.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from truepose_drivers.leica_emscon import protocol
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode
@@ -25,7 +25,7 @@ from truepose_simulators.instruments.leica_emscon.parameters import (
     wrong_parameter,
 )
 from truepose_simulators.instruments.leica_emscon.probe import Poses, Probe
-from truepose_simulators.instruments.leica_emscon.settings import HangUp, ServerSettings, Steps
+from truepose_simulators.instruments.leica_emscon.settings import Handler, HangUp, ServerSettings, Steps
 from truepose_simulators.instruments.leica_emscon.status import (
     COMPENSATION_IDS,
     REFLECTOR_IDS,
@@ -34,8 +34,6 @@ from truepose_simulators.instruments.leica_emscon.status import (
     description,
     reflectors,
 )
-
-Handler = Callable[[protocol.Request], Steps]
 
 _DESCRIBED_QUANTITIES: Mapping[str, Quantity] = {
     "max_distance": Quantity.LENGTH,

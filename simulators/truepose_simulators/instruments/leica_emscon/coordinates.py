@@ -17,7 +17,7 @@ from enum import Enum, auto
 import numpy as np
 
 from truepose_drivers.leica_emscon.protocol import settings
-from truepose_simulators.physics.rigid import FloatArray, inverse, motion, move, rotation
+from truepose_simulators.physics.rigid import FloatArray, inverse, move
 
 
 class Quantity(Enum):
@@ -174,9 +174,3 @@ class CoordinateView:
     @property
     def _sense(self) -> float:
         return -1.0 if self.kind in _CLOCKWISE else 1.0
-
-
-def placed(translation_mm: FloatArray, angles_rad: FloatArray) -> FloatArray:
-    """Trans RotX RotY RotZ, shape (4, 4)."""
-    x, y, z = (rotation(axis * angle) for axis, angle in zip(np.eye(3), angles_rad, strict=True))
-    return motion(translation_mm, x @ y @ z)

@@ -2,7 +2,6 @@
 
 import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import BeamError
 from truepose_simulators.instruments.leica_emscon.coordinates import Quantity
 from truepose_simulators.instruments.leica_emscon.parameters import SEARCH, wrong_parameter
-from truepose_simulators.instruments.leica_emscon.settings import ServerSettings, Steps, Wait
+from truepose_simulators.instruments.leica_emscon.settings import Handler, ServerSettings, Steps, Wait
 from truepose_simulators.instruments.tracker import HOME_MM
 from truepose_simulators.physics.rigid import FloatArray
 
@@ -42,8 +41,6 @@ _CHANGE_FACE_S = 4.0
 _FARTHEST_MM = 320_000.0  # twice the range of an AT401: farther coordinates are in the wrong unit
 # Status of everything that finds no reflector or lost it.
 NO_REFLECTOR = protocol.ResultStatus.NO_DISTANCE_SET
-
-Handler = Callable[[protocol.Request], Steps]
 
 
 class Aiming:

@@ -1,7 +1,5 @@
 """Commands that measure: points, the tilt sensor, the prism where it is."""
 
-from collections.abc import Callable
-
 from truepose_drivers.leica_emscon import protocol
 from truepose_drivers.leica_emscon.protocol.equipment import NivelStatus
 from truepose_drivers.leica_emscon.protocol.settings import LengthUnit, MeasMode
@@ -28,12 +26,16 @@ from truepose_simulators.instruments.leica_emscon.results import (
     air_members,
     coordinates,
 )
-from truepose_simulators.instruments.leica_emscon.settings import CutShort, ServerSettings, Steps, Wait
+from truepose_simulators.instruments.leica_emscon.settings import (
+    CutShort,
+    Handler,
+    ServerSettings,
+    Steps,
+    Wait,
+)
 
 _NIVEL_S = 2.0
 _PRISM_S = 0.02  # one sample
-
-Handler = Callable[[protocol.Request], Steps]
 
 
 class Shooting:

@@ -6,7 +6,6 @@ Rotations come in the user's frame as quaternion and as the angles of RotX RotY 
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +28,7 @@ from truepose_simulators.instruments.leica_emscon.results import (
     deviations,
     total,
 )
-from truepose_simulators.instruments.leica_emscon.settings import ServerSettings, Steps
+from truepose_simulators.instruments.leica_emscon.settings import Handler, ServerSettings
 from truepose_simulators.instruments.tracker import in_tracker_frame
 from truepose_simulators.physics.rigid import FloatArray, register, rotation, to_quaternion
 
@@ -113,7 +112,7 @@ class Poses:
         self._settings = settings
         self._lost = False
 
-    def handlers(self) -> dict[int, Callable[[protocol.Request], Steps]]:
+    def handlers(self) -> dict[int, Handler]:
         """Return the commands that tell of the probe; none of them changes anything."""
         ids = {
             protocol.Command.GET_PROBE: "internal_probe_id",
@@ -197,7 +196,7 @@ class Poses:
         return members
 
 
-def _teller(values: protocol.Record) -> Callable[[protocol.Request], Steps]:
+def _teller(values: protocol.Record) -> Handler:
     return lambda request: iter([protocol.Answer(request.command, values=values)])
 
 

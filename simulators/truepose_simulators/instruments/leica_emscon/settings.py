@@ -1,14 +1,21 @@
 """The settings of one emScon server, which outlive connections, and the steps that a command has it take."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
-from truepose_drivers.leica_emscon.protocol import Command, FromServer, Record, ResultStatus, settings
-from truepose_simulators.instruments.leica_emscon.coordinates import CoordinateView, Quantity, Units, placed
+from truepose_drivers.leica_emscon.protocol import (
+    Command,
+    FromServer,
+    Record,
+    Request,
+    ResultStatus,
+    settings,
+)
+from truepose_simulators.instruments.leica_emscon.coordinates import CoordinateView, Quantity, Units
 from truepose_simulators.instruments.leica_emscon.parameters import (
     COORDINATES,
     PARAMETERS,
@@ -20,7 +27,7 @@ from truepose_simulators.instruments.leica_emscon.parameters import (
     Parameter,
     wrong_parameter,
 )
-from truepose_simulators.physics.rigid import FloatArray, inverse
+from truepose_simulators.physics.rigid import FloatArray, inverse, pose_matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +52,7 @@ class HangUp:
 
 Step: TypeAlias = FromServer | Wait | CutShort | HangUp
 Steps: TypeAlias = Iterator[Step]
+Handler: TypeAlias = Callable[[Request], Steps]
 
 
 _EXTERNAL_POWER = 110
@@ -183,4 +191,4 @@ class ServerSettings:
 
     def _placement(self, parameter: Parameter) -> FloatArray:
         kept = self._kept[parameter.setter]
-        return placed(np.array(kept.vector()), np.array(kept.vector("rot1", "rot2", "rot3")))
+        return pose_matrix(np.array(kept.vector()), np.array(kept.vector("rot1", "rot2", "rot3")))

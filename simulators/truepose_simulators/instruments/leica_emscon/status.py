@@ -16,7 +16,7 @@ from truepose_drivers.leica_emscon.protocol.command_members import EXCHANGES
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.leica_emscon.coordinates import Quantity
 from truepose_simulators.instruments.leica_emscon.parameters import SETTINGS
-from truepose_simulators.instruments.leica_emscon.settings import ServerSettings, Steps
+from truepose_simulators.instruments.leica_emscon.settings import Handler, ServerSettings, Steps
 
 _Members: TypeAlias = Mapping[str, int | float | str]
 
@@ -167,7 +167,7 @@ class StatusReports:
         self._settings = settings
         self._last_status = last_status
 
-    def handlers(self) -> dict[int, Callable[[Request], Steps]]:
+    def handlers(self) -> dict[int, Handler]:
         """Return the commands served here."""
         return {
             Command.GET_SYSTEM_STATUS: self._system,

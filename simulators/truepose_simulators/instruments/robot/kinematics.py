@@ -9,8 +9,9 @@ import math
 
 import numpy as np
 
+from truepose_simulators.cell.robot import nominal_bodies
 from truepose_simulators.errors import SimulatorError
-from truepose_simulators.physics.arm import Arm, Bodies, place_bodies
+from truepose_simulators.physics.arm import Arm, Bodies
 from truepose_simulators.physics.rigid import (
     FloatArray,
     from_quaternion,
@@ -96,9 +97,8 @@ def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray
         The steps do not arrive: out of reach, singular or too far away.
     """
     joints = start_rad.copy()
-    no_errors = np.broadcast_to(np.eye(4), (arm.n_joints + 2, 4, 4))
     for _ in range(_MOST_STEPS):
-        bodies = place_bodies(arm, no_errors, joints[np.newaxis])
+        bodies = nominal_bodies(arm, joints[np.newaxis])
         missing = _missing(bodies.last_frame[0], last_frame)
         if np.all(np.abs(missing[:3]) < _CLOSE_MM) and np.all(np.abs(missing[3:]) < _CLOSE_RAD):
             return joints
