@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Awaitable, Callable
 from datetime import date
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 from truepose.analysis.errors import BusyError, NothingMeasuredError
 from truepose.analysis.job_queue.file_tasks import CorrectFileTask, FileCorrected, TargetsFile
@@ -77,7 +77,7 @@ class JobService:
     ) -> int:
         """Queue an identification and return the job's number; raises NotFoundError."""
         # Before it is queued: nobody should wait for a worker to be told what is known now (decision 0052).
-        work_count = _readings(await self._campaigns.get(campaign_id), "calibration")
+        work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
         # Read when the job has its worker: two hundred may wait, each with a campaign of megabytes.
         async def load() -> Task:
@@ -100,7 +100,7 @@ class JobService:
     ) -> int:
         """Queue a validation and return the job's number; raises NotFoundError."""
         model = (await self._results.model(model_id)).model
-        work_count = _readings(await self._campaigns.get(campaign_id), "validation")
+        work_count = _validation_readings(await self._campaigns.get(campaign_id))
 
         async def load() -> Task:
             return ValidateTask(await self._campaigns.content(campaign_id), model, limit_mm)
@@ -121,7 +121,7 @@ class JobService:
         sender: str = "",
     ) -> int:
         """Queue a diagnosis and return the job's number; raises NotFoundError."""
-        work_count = _readings(await self._campaigns.get(campaign_id), "calibration")
+        work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
         async def load() -> Task:
             return DiagnoseTask(await self._campaigns.content(campaign_id), effects)
@@ -280,10 +280,19 @@ async def _chosen_clear(plan: SessionPlan) -> str:
     return ""  # the chooser keeps the ways clear
 
 
-def _readings(campaign: CampaignRecord, purpose: Literal["calibration", "validation"]) -> int:
-    """Return how many readings can identify, or judge a model; raises NothingMeasuredError where none can."""
-    counts = (getattr(campaign.summary, f"{purpose}_{kind}") for kind in ("points", "legs", "contacts"))
-    found: int = sum(counts)
+def _calibration_readings(campaign: CampaignRecord) -> int:
+    """Return how many readings can identify; raises NothingMeasuredError where none can."""
+    held = campaign.summary
+    found = held.calibration_points + held.calibration_legs + held.calibration_contacts
     if not found:
-        raise NothingMeasuredError(message(f"refused.no_{purpose}", campaign=campaign.id))
+        raise NothingMeasuredError(message("refused.no_calibration", campaign=campaign.id))
+    return found
+
+
+def _validation_readings(campaign: CampaignRecord) -> int:
+    """Return how many readings can judge a model; raises NothingMeasuredError where none can."""
+    held = campaign.summary
+    found = held.validation_points + held.validation_legs + held.validation_contacts
+    if not found:
+        raise NothingMeasuredError(message("refused.no_validation", campaign=campaign.id))
     return found
