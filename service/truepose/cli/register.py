@@ -160,7 +160,7 @@ class _ThroughService(Administration):
 
         found = next((one["id"] for one in self._entered() if same_person(one["name"], name)), None)
         if found is None:
-            raise UnknownPersonError(f"Nobody named {name} is entered here.")
+            raise UnknownPersonError(f"There is no user named {name} here.")
         return int(found)
 
     def _ask(self, method: str, path: str, body: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -338,4 +338,4 @@ def gaps_mm(volume: KeepOut, bodies: Capsules) -> FloatArray:
 
 def look_at(keep_outs: KeepOuts) -> str:
     """Return the part of a refusal that names what else to look at, empty where there are no volumes."""
-    return f" Look at the keep-out volumes as well: {', '.join(keep_outs.names)}." if keep_outs else ""
+    return f" Check the keep-out volumes as well: {', '.join(keep_outs.names)}." if keep_outs else ""

@@ -129,7 +129,7 @@ class LedgerRepository(Repository):
             return None
         if row.fingerprint != key.fingerprint:
             raise KeyReusedError(
-                f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
+                f"The Idempotency-Key '{key.key}' was already used for another command. Use a new key."
             )
         return CommandAnswer(row.sentence, row.entry_id)
 

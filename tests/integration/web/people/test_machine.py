@@ -54,7 +54,7 @@ def test_what_the_service_refuses_is_said_with_its_code(served, settings):
     with administration(settings.database_url) as machine:
         with pytest.raises(AccountRefusedError, match="first person must be an administrator") as refused:
             machine.add("Ada Byron", Role.OPERATOR)
-        with pytest.raises(UnknownPersonError, match="Nobody named Ada"):
+        with pytest.raises(UnknownPersonError, match="no user named Ada"):
             machine.link("Ada")
 
         assert refused.value.code == "TP-1018"
