@@ -41,11 +41,13 @@ def reanalyse_command(
         str,
         typer.Argument(help="Folder of campaign folders or zips, or a database (file, or sqlite:///file)."),
     ],
-    out: Annotated[Path, typer.Option(help="Folder of the results; what it has is not computed again.")],
+    out: Annotated[
+        Path, typer.Option(help="Folder for results; those already there are not computed again.")
+    ],
     effects: Effects = "auto",
     against: Annotated[
         Path | None,
-        typer.Option(help="Folder of results of an earlier version; by default --out, then the database."),
+        typer.Option(help="Folder of results of an earlier version (default: --out, then the database)."),
     ] = None,
     workers: Workers = None,
     json: Json = False,
@@ -159,16 +161,20 @@ _LOOK_S = 2.0  # between two looks: what is the same at both is whole
 
 
 def watch_command(
-    folder: Annotated[Path, typer.Argument(help="Where campaigns, or points and joints, are left.")],
-    out: Annotated[Path, typer.Option(help="Folder for what comes of each: answer, model, report.")],
-    once: Annotated[bool, typer.Option("--once", help="Take what is there, and end.")] = False,
+    folder: Annotated[
+        Path, typer.Argument(help="Folder to watch for new campaigns, or for points with joint angles.")
+    ],
+    out: Annotated[
+        Path, typer.Option(help="Folder for the results: answer, model and report of each campaign.")
+    ],
+    once: Annotated[bool, typer.Option("--once", help="Process what is there now, then exit.")] = False,
 ) -> int:
     """Identify every campaign that comes into a folder, until interrupted. Status 1: one of them failed.
 
     Example: truepose watch inbox --out results
     """
     if not folder.is_dir():
-        raise ConfigurationError(f"{folder} is no folder; make it first.")
+        raise ConfigurationError(f"{folder} is not a folder; create it first.")
     out.mkdir(parents=True, exist_ok=True)
     good = [_taken(arrival, out) for arrival in _whole(folder, once=once)]
     return 0 if all(good) else 1
@@ -232,7 +238,7 @@ def resample_command(
     by: Annotated[
         ResamplingUnit,
         typer.Option(
-            help="Noise as stated and priors as believed (Monte Carlo), or configurations with replacement "
+            help="Draw noise and priors as stated (Monte Carlo), or configurations with replacement "
             "(bootstrap).",
         ),
     ] = ResamplingUnit.CONFIGURATIONS,
@@ -273,5 +279,5 @@ def _show(spread: "Spread") -> None:
         rows.append([one.name, one.unit, f"{one.value:.5g}", *(f"{size:.2g}" for size in sizes)])
     heads = ("parameter", "unit", "value", "u stated", "u of draws", "bias")
     print_tables(on_terminal(Table(heads, rows, names=2)))
-    left = f", {spread.not_converged} left out, as they did not converge" if spread.not_converged else ""
+    left = f", {spread.not_converged} left out because they did not converge" if spread.not_converged else ""
     print_lines([f"{spread.draws} draws by {spread.way}{left}."])

@@ -37,7 +37,7 @@ def identify_command(
     effects: Effects = "auto",
     fleet: Annotated[
         Path | None,
-        typer.Option(help="What robots of its type say of a further one (`truepose fleet --pooled`)."),
+        typer.Option(help="Prior from robots of the same type (written by `truepose fleet --pooled`)."),
     ] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the identified model here (JSON).")] = None,
     report: ReportFile = None,
@@ -45,7 +45,7 @@ def identify_command(
         bool,
         typer.Option(
             "--compare-thesis",
-            help="Of a ballbar campaign: also turn the legs into positions first, as the thesis does.",
+            help="Ballbar campaigns: also identify from positions computed from the legs, as in the thesis.",
         ),
     ] = False,
     language: Language = ENGLISH,
@@ -86,8 +86,8 @@ def _believed(file: Path, campaign: "Campaign") -> "JointPrior":
     pooled = read_pooled(file)
     if pooled.robot != campaign.robot.name:
         raise ConfigurationError(
-            f"{file.name} is of robots of the type {pooled.robot}, and the campaign is of a "
-            f"{campaign.robot.name}: give that of its own type."
+            f"{file.name} is for robots of type {pooled.robot}, but the campaign is of a "
+            f"{campaign.robot.name}. Give the file for that type."
         )
     return pooled.belief
 
@@ -132,7 +132,7 @@ def _write_report(path: Path, campaign: "Campaign", answer: "Identification", wo
 
 def predict_command(
     model: ModelFile,
-    points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and what else is known.")],
+    points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and any other known columns.")],
     out: Annotated[Path, typer.Option(help="Where the predictions go (CSV).")],
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,

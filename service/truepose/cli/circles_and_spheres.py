@@ -72,7 +72,7 @@ def _read(points: Path, given: str, u_mm: float | None) -> "tuple[Robot, PointRe
     remark(map(english, table.ignored))
     if not isinstance(table.readings, PointReadings):
         raise ConfigurationError(
-            f"{points.name} holds lengths: a circle test takes positions, x_mm y_mm z_mm."
+            f"{points.name} contains lengths, but a circle test needs positions: x_mm, y_mm, z_mm."
         )
     return robot, table.readings
 
@@ -105,7 +105,7 @@ def _print_circles(test: "CircleTest", robot: "Robot", language: str, *, as_json
 def sphere_command(
     campaign: CampaignPath,
     model: Annotated[
-        list[Path] | None, typer.Option(help="Model file; may be given again, its name is the file's.")
+        list[Path] | None, typer.Option(help="Model file, which names the model. May be repeated.")
     ] = None,
     limit_mm: LimitMm = None,
     report: ReportFile = None,
@@ -143,7 +143,7 @@ def _models(files: list[Path]) -> "dict[str, Model]":
     models = {file.stem: read_model(file) for file in files}
     if len(models) < len(files) or NOMINAL in models:
         raise ConfigurationError(
-            f"Model files give the models their names: each needs its own, other than `{NOMINAL}`."
+            f"Models are named after their files: give each file a different name, other than `{NOMINAL}`."
         )
     return models
 

@@ -39,39 +39,43 @@ class Frame(StrEnum):
 def correct_command(
     model: ModelFile,
     targets: Annotated[
-        Path, typer.Argument(help="A table (.csv) of target, x_mm.. qw.., or a robot program by its ending.")
+        Path,
+        typer.Argument(
+            help="Table of targets (.csv: target, x_mm.. qw..) or robot program (type by file extension)."
+        ),
     ],
-    out: Annotated[Path, typer.Option(help="Where the corrected targets go, or the program again.")],
+    out: Annotated[Path, typer.Option(help="File for the corrected targets or program.")],
     frame: Annotated[
         Frame | None,
         typer.Option(
-            help="What targets are given in: the frame of the readings (as tables are), or the robot's base "
-            "(as programs are)."
+            help="Frame of the targets: that of the readings (default for tables), or the robot's base "
+            "(default for programs)."
         ),
     ] = None,
     define: Annotated[
         list[str] | None,
-        typer.Option(help="Of a program: a tool or work object that it only names, NAME=x,y,z,qw,qx,qy,qz."),
+        typer.Option(
+            help="Programs: tool or work object that the program only names, as NAME=x,y,z,qw,qx,qy,qz."
+        ),
     ] = None,
     beside: Annotated[
-        list[Path] | None, typer.Option(help="Of a program: another file of it; it is read, not written.")
+        list[Path] | None,
+        typer.Option(help="Programs: another file of the program, which is read but not written."),
     ] = None,
     branch: Annotated[
         str | None,
-        typer.Option(help="Of a program: branch of poses that do not say theirs, e.g. front/up/no flip."),
+        typer.Option(help="Programs: branch of poses that do not state one, such as front/up/no flip."),
     ] = None,
     coupled: Annotated[
         bool,
-        typer.Option(
-            help="Of FANUC: joint 3 is counted from the horizontal; its joint targets are corrected."
-        ),
+        typer.Option(help="FANUC: joint 3 is measured from the horizontal; joint targets are corrected."),
     ] = False,
     angles: Annotated[
-        str | None, typer.Option(help="Of G-code: axes of A, B, C: xyz, zyx or fixed xyz.")
+        str | None, typer.Option(help="G-code: rotation order of A, B, C: xyz, zyx or fixed xyz.")
     ] = None,
     as_written: Annotated[
         bool,
-        typer.Option(help="Correct targets also where another unit or frame fits them better."),
+        typer.Option(help="Correct targets even if another unit or frame would fit them better."),
     ] = False,
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,
@@ -127,7 +131,7 @@ def _asked(
 def _require_another_file(targets: Path, out: Path) -> None:
     """Keep the original: a second run would correct what is corrected already."""
     if out.exists() and targets.exists() and out.samefile(targets):
-        raise ConfigurationError(f"--out {out} is the file of the targets: give another name.")
+        raise ConfigurationError(f"--out {out} is the targets file itself; choose another name.")
 
 
 def _corrected(model: "Model", targets: Path, out: Path, asked: "CorrectionRequest") -> "Answer":

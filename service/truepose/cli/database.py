@@ -16,7 +16,7 @@ Url = Annotated[
     ),
 ]
 _SERVICE_FAILED = 3
-_NO_PINS = "A copy holds no PINs: each person chooses one anew, with their password, at /account."
+_NO_PINS = "Copies contain no PINs: users set a new one at /account with their password."
 
 
 def verify_command(
@@ -25,7 +25,7 @@ def verify_command(
         typer.Argument(help="Database, a file or a URL; by default the one in the user's data folder."),
     ] = None,
     head: Annotated[
-        str | None, typer.Option(help="Chain head as a report prints it: is all that it stands for there?")
+        str | None, typer.Option(help="Chain head printed on a report: check that all its records are there.")
     ] = None,
     json: Json = False,
 ) -> int:
@@ -53,7 +53,9 @@ def verify_command(
             "head": newest or None,
         })
     else:
-        whole = f"{database}: {verdict.records} records, all as they were written. Chain head {newest}."
+        whole = (
+            f"{database}: {verdict.records} records, none changed since it was written. Chain head {newest}."
+        )
         print_lines(verdict.findings or [whole])
     return 1 if verdict.findings else 0
 
@@ -61,9 +63,7 @@ def verify_command(
 def backup_command(
     file: Annotated[Path, typer.Argument(help="Where the copy goes.")],
     database: Url = None,
-    replace: Annotated[
-        bool, typer.Option("--replace", help="Put the copy in place of an earlier one.")
-    ] = False,
+    replace: Annotated[bool, typer.Option("--replace", help="Overwrite an earlier copy.")] = False,
     json: Json = False,
 ) -> int:
     """Copy the database into one file while the service runs, and verify the copy.
@@ -86,7 +86,7 @@ def backup_command(
             "drafts": made.drafts,
         })
     else:
-        beside = f" {made.drafts} drafts lie beside it." if made.drafts else ""
+        beside = f" {made.drafts} drafts are stored beside it." if made.drafts else ""
         print_lines([
             f"{made.file}: {made.head.links} records, {made.size_bytes / 1e6:.1f} MB, verified. "
             f"Chain head {made.head.text}.{beside}"
@@ -98,12 +98,12 @@ def restore_command(
     file: Annotated[Path, typer.Argument(help="Copy that 'truepose backup' made.")],
     database: Url = None,
     replace: Annotated[
-        bool, typer.Option("--replace", help="Put aside the database that is there, and keep it.")
+        bool, typer.Option("--replace", help="Replace the present database, and keep it under another name.")
     ] = False,
     at_next_start: Annotated[
         bool,
         typer.Option(
-            "--at-next-start", help="The service may run; it begins with the copy at its next start."
+            "--at-next-start", help="Restore at the next start of the service, which may be running now."
         ),
     ] = False,
     json: Json = False,
@@ -125,13 +125,17 @@ def restore_command(
     server = is_server(parsed_url(url))
     if at_next_start:
         if server:
-            raise BackupError("Nothing is laid ready for a server: restore into an empty database of it.")
+            raise BackupError(
+                "--at-next-start does not work for a database server; restore into an empty database there."
+            )
         return _lay_ready(file, database_file(url), replace=replace, json=json)
     try:
         with progress_bar() as told:
             head, aside = restore_at(file, url, told, replace=replace)
     except DatabaseInUseError as error:
-        let_it_run = "Or let it run: --at-next-start verifies the copy now and puts it in place then."
+        let_it_run = (
+            "Or keep it running: --at-next-start verifies the copy now and restores it at the next start."
+        )
         remark([str(error) if server else f"{error} {let_it_run}"])
         return _SERVICE_FAILED
     drafts = restore_drafts(file, lies_beside(url))
@@ -145,7 +149,7 @@ def restore_command(
             "drafts": drafts,
         })
     else:
-        before = "" if kept is None else f" What was there is kept as {kept}."
+        before = "" if kept is None else f" The previous database is kept as {kept}."
         brought = f" {drafts} drafts are back." if drafts else ""
         print_lines([
             f"{display_address(url)}: {head.links} records restored. Chain head {head.text}."
@@ -164,16 +168,16 @@ def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
         print_json(waits)
     else:
         print_lines([
-            f"{ready}: {head.links} records, verified. Chain head {head.text}. Restart the service: it "
-            "begins with them and keeps what it has until then beside it. To call that off, delete this file."
-            f" {_NO_PINS}"
+            f"{ready}: {head.links} records, verified. Chain head {head.text}. Restart the "
+            "service to switch to them; its present database is kept beside them. To cancel, delete this "
+            f"file. {_NO_PINS}"
         ])
     return 0
 
 
 def copy_command(
-    source: Annotated[str, typer.Argument(help="Database that is copied, a file or a URL.")],
-    target: Annotated[str, typer.Argument(help="Empty database, a file or a URL.")],
+    source: Annotated[str, typer.Argument(help="Database to copy, a file or a URL.")],
+    target: Annotated[str, typer.Argument(help="Empty database to copy to, a file or a URL.")],
     json: Json = False,
 ) -> int:
     """Move a shop's database from a file to a PostgreSQL server, or back: every record and its link.
@@ -226,9 +230,11 @@ def _url(database: str | None) -> str:
 def retention_command(
     database: Url = None,
     copies: Annotated[Path | None, typer.Option(help="Folder of 'truepose serve --backup-to'.")] = None,
-    keep_copies: Annotated[int, typer.Option(min=1, help="So many of the newest stay.")] = 7,
+    keep_copies: Annotated[int, typer.Option(min=1, help="Number of newest copies to keep.")] = 7,
     logs_days: Annotated[float, typer.Option(min=0, help="Rotated logs stay so long.")] = 90.0,
-    drop: Annotated[bool, typer.Option("--drop", help="Remove it; without this it is only said.")] = False,
+    drop: Annotated[
+        bool, typer.Option("--drop", help="Remove them; without this they are only listed.")
+    ] = False,
     json: Json = False,
 ) -> int:
     """Say what may be removed beside the database: old logs, surplus copies, what was left behind.

@@ -28,7 +28,7 @@ def diagnose_command(
     effects: Annotated[
         str,
         typer.Option(
-            help="Effects of the model to start from, separated by commas; none of them is a finding. "
+            help="Effects of the start model, separated by commas; these are not reported as findings. "
             "`auto`: base,tool,geometry,compliance."
         ),
     ] = "auto",

@@ -30,7 +30,7 @@ Language = Annotated[
     typer.Option(
         metavar="|".join(LANGUAGES),
         callback=_spoken,
-        help="Of sentences, tables and reports; JSON is in English.",
+        help="Language of sentences, tables and reports; JSON stays in English.",
     ),
 ]
 ReportFile = Annotated[
@@ -40,24 +40,23 @@ LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes."
 UMm = Annotated[
     float | None,
     typer.Option(
-        "--u-mm", min=1e-6, help="Standard uncertainty of each reading [mm], where no column says it."
+        "--u-mm", min=1e-6, help="Standard uncertainty of each reading [mm], if no column states it."
     ),
 ]
 MaxShiftMm = Annotated[
     float | None,
     typer.Option(
-        help="Largest shift of the tool that is accepted of the model; by default 20 mm of a file as truepose"
-        " wrote it, else 5 mm."
+        help="Largest tool shift accepted from the model (default: 20 mm for an unedited file, else 5 mm)."
     ),
 ]
 AcceptEdited = Annotated[
-    bool, typer.Option("--accept-edited", help="Use a model file that was edited after truepose wrote it.")
+    bool, typer.Option("--accept-edited", help="Accept a model file that was edited after truepose wrote it.")
 ]
 Workers = Annotated[
     str | None,
     typer.Option(
         metavar="NUMBER|dask|dask://HOST:PORT",
-        help="So many processes, Dask on this computer, or a scheduler of Dask; by default what fits.",
+        help="Number of processes, `dask` for this computer, or the address of a Dask scheduler.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
@@ -70,7 +69,7 @@ def effect_names(effects: str) -> tuple[str, ...] | None:
     names = tuple(name.strip() for name in effects.split(",") if name.strip())
     if not names:
         raise ConfigurationError(
-            "--effects names no effect: give `auto`, or names separated by commas, e.g. base,geometry."
+            "--effects is empty: give `auto`, or names separated by commas, such as base,geometry."
         )
     return names
 
@@ -85,9 +84,9 @@ def require_folders(*files: Path | None) -> None:
     """Refuse before the work is done what could not be written after it."""
     for file in files:
         if file is not None and not file.parent.is_dir():
-            raise ConfigurationError(f"{file}: there is no folder {file.parent}; make it first.")
+            raise ConfigurationError(f"{file}: the folder {file.parent} does not exist; create it first.")
         if file is not None and file.is_dir():
-            raise ConfigurationError(f"{file} is a folder: name a file in it.")
+            raise ConfigurationError(f"{file} is a folder; give the name of a file.")
         if file is not None and file.suffix.lower() == ".pdf":
             _require_pdf()
 

@@ -39,32 +39,30 @@ def fleet_command(
     ],
     table: Annotated[
         Path | None,
-        typer.Option(
-            help="Which robot was measured by what and when: campaign, robot, instrument, day (CSV)."
-        ),
+        typer.Option(help="Table of what was measured when (CSV): campaign, robot, instrument, day."),
     ] = None,
     of_type: Annotated[
-        str | None, typer.Option("--type", help="Type of the robots, where the archive has several.")
+        str | None, typer.Option("--type", help="Robot type, if the archive has several.")
     ] = None,
-    limit: Annotated[float, typer.Option(help="Change [mm] that is not to be passed.")] = 0.1,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder in which what each campaign tells is kept.")
-    ] = None,
+    limit: Annotated[float, typer.Option(help="Largest acceptable change [mm].")] = 0.1,
+    out: Annotated[Path | None, typer.Option(help="Folder that caches the result of each campaign.")] = None,
     check: Annotated[
-        Path | None, typer.Option(help="Write the quick check of the robot that is next here (CSV).")
+        Path | None, typer.Option(help="Write the quick check of the robot that is due next here (CSV).")
     ] = None,
     checked: Annotated[
         Path | None,
-        typer.Option(help="Campaign of a quick check, which is not in the archive: what has grown since?"),
+        typer.Option(help="Campaign of a quick check (not in the archive): report what has changed since."),
     ] = None,
-    growth: Annotated[float, typer.Option(help="Growth [mm] that the quick check is to tell.")] = 0.05,
+    growth: Annotated[
+        float, typer.Option(help="Smallest change [mm] that the quick check must detect.")
+    ] = 0.05,
     pooled: Annotated[
         Path | None,
-        typer.Option(help="Write what is believed of a further robot here, for `identify --fleet`."),
+        typer.Option(help="Write the prior for another robot of this type here, for `identify --fleet`."),
     ] = None,
     new: Annotated[
         Path | None,
-        typer.Option(help="Write the configurations of a further robot here, to be identified so (CSV)."),
+        typer.Option(help="Write the configurations to measure on another robot of this type here (CSV)."),
     ] = None,
     report: ReportFile = None,
     workers: Workers = None,
@@ -205,7 +203,7 @@ def _judged(campaign: Path, found: "FleetFound", growth_mm: float) -> "OfCheck":
     measured = read_measured(campaign)
     if measured.robot.name != found.robot.name:
         raise ConfigurationError(
-            f"{campaign.name} is of a {measured.robot.name}, and the fleet is of {found.robot.name}."
+            f"{campaign.name} is of a {measured.robot.name}, but the fleet is of {found.robot.name}."
         )
     return grown_in(found.account, measured, growth_mm)
 

@@ -37,27 +37,29 @@ def import_command(
     points: Annotated[
         Path,
         typer.Argument(
-            help="Points as a tracker's software exports them; alone: a table, zip or folder of any program."
+            help="Points exported by tracker software; without JOINTS: a table, zip or folder of any program."
         ),
     ],
     joints: Annotated[
         Path | None,
-        typer.Argument(help="Joint angles (CSV): config, q1_deg.., perhaps nest, dir1.., time_s, point."),
+        typer.Argument(help="Joint angles (CSV): config, q1_deg..; optional: nest, dir1.., time_s, point."),
     ] = None,
     *,
     out: Annotated[Path, typer.Option(help="Campaign folder to write.")],
     robot: Annotated[
         str | None,
-        typer.Option(help="Shipped robot, or a file of one's own (.toml, .urdf); a table may find its own."),
+        typer.Option(
+            help="Shipped robot, or your own file (.toml, .urdf); found automatically for some tables."
+        ),
     ] = None,
     unit: Annotated[
-        LengthUnit | None, typer.Option(help="Of the points, where the list does not say it.")
+        LengthUnit | None, typer.Option(help="Unit of the points, if the list does not state it.")
     ] = None,
     u_mm: Annotated[
         float | None, typer.Option("--u-mm", min=1e-6, help="Standard uncertainty of a coordinate [mm].")
     ] = None,
     names: Annotated[
-        str, typer.Option(help="How names of points say configuration and nest, e.g. C{config}_N{nest}.")
+        str, typer.Option(help="Pattern of point names, such as C{config}_N{nest}.")
     ] = "*{config}",
     nest: Annotated[
         list[str] | None,
@@ -73,14 +75,14 @@ def import_command(
         ),
     ] = None,
     robot_serial_number: Annotated[
-        str, typer.Option("--robot-serial", help="Serial number of the robot: whose life it stands in.")
+        str, typer.Option("--robot-serial", help="Serial number of the robot, to follow it over time.")
     ] = "",
     instrument_serial_number: Annotated[
         str, typer.Option("--instrument-serial", help="Serial number of what measured.")
     ] = "",
     accept_changes: Annotated[
         bool,
-        typer.Option("--accept-changes", help="Of a table: make the changes of convention that are offered."),
+        typer.Option("--accept-changes", help="Tables: apply the suggested changes of convention."),
     ] = False,
     json: Json = False,
 ) -> int:
@@ -105,7 +107,7 @@ def import_command(
         choices = Choices(robot=robot, u_mm=u_mm, measured_on=day, undated=True, **serials)
         return _import_table(points, out, choices, accept_changes=accept_changes, json=json)
     if robot is None:
-        raise ConfigurationError("A list of points does not say its robot: name it with --robot.")
+        raise ConfigurationError("A list of points does not name its robot; give it with --robot.")
     centres = [_centre(text) for text in nest or ()]
     stated = Stated(robot, unit and unit.value, u_mm, names, centres, nest_u_mm)
     campaign, found = import_points(points, joints, stated)
@@ -115,7 +117,7 @@ def import_command(
         left = {"points": list(found.points_alone), "lines": list(found.rows_alone)}
         print_json({"campaign": str(out), "readings": len(found), "left_over": left})
     else:
-        print_lines([f"{out}: {len(found)} points at their joint angles.", *_left_over(found, joints.name)])
+        print_lines([f"{out}: {len(found)} points with their joint angles.", *_left_over(found, joints.name)])
     return 0
 
 
@@ -142,7 +144,9 @@ def _import_table(path: Path, out: Path, choices: "Choices", *, accept_changes: 
 
 def _remark_undated(day: date | None) -> None:
     if day is None:
-        remark(["Nobody said the day of the readings; --measured-on says it, for a robot seen over months."])
+        remark([
+            "The date of the readings is missing; --measured-on states it, to follow the robot over time."
+        ])
 
 
 def _what_is_missing(understood: "Understood") -> str:
@@ -164,10 +168,10 @@ def _left_over(found: "JoinedTable", joints: str) -> list[str]:
     """Return what belongs to nothing, so that nobody believes it was used."""
     said = []
     if found.points_alone:
-        said.append(f"Points without joint angles, left out: {_some(found.points_alone)}.")
+        said.append(f"Points without joint angles (ignored): {_some(found.points_alone)}.")
     if found.rows_alone:
         said.append(
-            f"Lines of {joints} without a point, left out: {_some(list(map(str, found.rows_alone)))}."
+            f"Lines of {joints} without a point (ignored): {_some(list(map(str, found.rows_alone)))}."
         )
     return said
 
@@ -188,8 +192,8 @@ _HEAD = (
     "last_calibrated",
 )
 _NO_READINGS = (
-    "The raw readings are in an element whose form is not public; they were not read, and no length for a"
-    " calibration can be taken from this file."
+    "The raw readings are in an undocumented format and were not read; this file has no lengths for a "
+    "calibration."
 )
 
 

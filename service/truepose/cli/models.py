@@ -42,7 +42,7 @@ def checked_model(
 
     if max_shift_mm is not None and not 0.0 < max_shift_mm < math.inf:
         raise ConfigurationError(
-            f"--max-shift-mm {max_shift_mm:g}: give the largest shift of the tool to accept, above 0 mm."
+            f"--max-shift-mm {max_shift_mm:g}: give the largest tool shift to accept, above 0 mm."
         )
     found = read_checked_model(file, Acceptance(max_shift_mm, accept_edited), robot_follows=robot_follows)
     remark(map(words.spoken, found.remarks))
@@ -71,7 +71,7 @@ class Form(StrEnum):
 
 def export_command(
     model: ModelFile,
-    out: Annotated[Path, typer.Option(help="The file to write; a table is CSV where it ends in .csv.")],
+    out: Annotated[Path, typer.Option(help="File to write; tables are CSV if it ends in .csv.")],
     form: Annotated[
         Form,
         typer.Option(
@@ -84,7 +84,7 @@ def export_command(
         bool,
         typer.Option(
             "--fitted",
-            help="Fit the table to the full model, so that what it lacks is in it as far as it can be.",
+            help="Fit the table to the full model, so that it contains as much of it as possible.",
         ),
     ] = False,
     max_shift_mm: MaxShiftMm = None,

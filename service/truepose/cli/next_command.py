@@ -24,9 +24,9 @@ _ABOUT: Final = (
 )
 _ALL: Final = "All commands: truepose --help\n"
 _BEGINNING: Final[tuple[Step, ...]] = (
-    ("See the whole job on a simulated robot, in a minute", "truepose demo"),
-    ("Work in the browser: bring readings, plan a session", "truepose serve"),
-    ("Make a campaign of readings in a table", "truepose import READINGS.csv --out CAMPAIGN"),
+    ("See the whole process on a simulated robot, in a minute", "truepose demo"),
+    ("Work in the browser: import readings, plan a session", "truepose serve"),
+    ("Import readings from a table as a campaign", "truepose import READINGS.csv --out CAMPAIGN"),
 )
 
 
@@ -65,17 +65,20 @@ def _with_model(model: str, files: list[Path], folder: Path) -> Iterator[Step]:
     programs = [file for file in files if file.suffix.lower() in _PROGRAMS]
     points = _shown(tables[0], folder) if tables else "POINTS.csv"
     yield (
-        f"{model} is a model: prove it on readings that it has not seen",
+        f"{model} is a model: validate it on held-out readings",
         f"truepose validate {model} {points}",
     )
     program = _shown(programs[0], folder) if programs else "PROGRAM"
-    yield "Correct a robot program with it", f"truepose correct {model} {program} --out corrected"
+    yield "Correct a robot program with the model", f"truepose correct {model} {program} --out corrected"
 
 
 def _of_readings(files: list[Path], folder: Path) -> Iterator[Step]:
     for table in [file for file in files if file.suffix.lower() in TABLES][:1]:
         told = _shown(table, folder)
-        yield f"{told} may hold readings: make a campaign of it", f"truepose import {told} --out campaign"
+        yield (
+            f"{told} may contain readings: import it as a campaign",
+            f"truepose import {told} --out campaign",
+        )
 
 
 def _campaigns(folder: Path, files: list[Path]) -> Iterator[Path]:

@@ -81,12 +81,12 @@ def remove_command(name: Name, database: Database = None) -> int:
 
     with administration(database) as here:
         here.remove(name)
-    print_lines([f"{name} is let in no more."])
+    print_lines([f"{name} no longer has access."])
     return 0
 
 
 def token_command(
-    owner: Annotated[str, typer.Argument(help="Person who answers for the program.")],
+    owner: Annotated[str, typer.Argument(help="Person responsible for the program.")],
     name: Annotated[str, typer.Option(help="What the program is called.")],
     role: RoleOption = Role.DEVICE,
     days: Annotated[int, typer.Option(min=1, max=3660, help="After which it ends.")] = 365,
@@ -108,7 +108,7 @@ def token_command(
     return 0
 
 
-HELP = "Says who is let in, people and programs; a service may be running."
+HELP = "Manages who has access: people and programs. The service may be running."
 COMMANDS = {
     "list": list_command,
     "add": add_command,
@@ -123,5 +123,5 @@ def _tell_link(name: str, path: str, json: bool) -> int:
     if json:
         print_json({"name": name, "link": path})
     else:
-        print_lines([f"{name} chooses a password here, once: {path} (behind the address of the service)"])
+        print_lines([f"{name} can set a password here, once: {path} (append to the address of the service)"])
     return 0

@@ -30,7 +30,11 @@ def plan_command(
     ],
     n: Annotated[
         int | None,
-        typer.Option(min=1, max=1000, help="Configurations to measure; by default the curve's knee."),
+        typer.Option(
+            min=1,
+            max=1000,
+            help="Number of configurations to measure (default: the knee of the accuracy curve).",
+        ),
     ] = None,
     volume: Annotated[
         Path | None, typer.Option(help="Where accuracy counts: a box, joint ranges, or both (TOML or JSON).")
@@ -43,28 +47,37 @@ def plan_command(
     ] = None,
     one_sided: Annotated[
         bool,
-        typer.Option("--one-sided", help="Keep the gears that carry the arm loaded from one side (masses)."),
+        typer.Option("--one-sided", help="Keep gravity-loaded gears loaded from one side (needs masses)."),
     ] = False,
-    ballbar: Annotated[bool, typer.Option("--ballbar", help="Lengths of a ballbar, no tracker.")] = False,
+    ballbar: Annotated[
+        bool, typer.Option("--ballbar", help="Measure with a ballbar instead of a tracker.")
+    ] = False,
     targets: Annotated[
         Path | None,
-        typer.Option(help="A closed loop with these targets and where they stand (CSV), no tracker."),
+        typer.Option(
+            help="Measure a closed loop with these targets and their positions (CSV) instead of a tracker."
+        ),
     ] = None,
     distances: Annotated[
         Path | None, typer.Option(help="Certified distances of the targets of a closed loop (CSV).")
     ] = None,
     nests: Annotated[
-        str, typer.Option(help="Tool nests that a closed loop uses, with commas; by default all.")
+        str, typer.Option(help="Tool nests that a closed loop uses, separated by commas (default: all).")
     ] = "",
     reading_mm: Annotated[
-        float | None, typer.Option(help="Standard uncertainty of a reading per axis; else a usual tracker's.")
+        float | None,
+        typer.Option(help="Standard uncertainty of a reading per axis (default: a typical tracker)."),
     ] = None,
     discrepancy_mm: Annotated[
-        float | None, typer.Option(help="What no parameter expresses, per axis; else what is known of it.")
+        float | None,
+        typer.Option(help="Error per axis that no parameter describes (default: as known for the robot)."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
     tries: Annotated[
-        int, typer.Option(min=1, max=1000, help="Plan with so many seeds, and take the best by O1.")
+        int,
+        typer.Option(
+            min=1, max=1000, help="Number of seeds to plan with; the plan with the largest O1 is kept."
+        ),
     ] = 1,
     workers: Workers = None,
     out: Annotated[Path | None, typer.Option(help="Write the configurations here (CSV).")] = None,
@@ -168,10 +181,10 @@ class _Loop:
 def _loop(targets: Path | None, distances: Path | None, nests: str, *, ballbar: bool) -> _Loop | None:
     if targets is None:
         if distances is not None or nests:
-            raise ConfigurationError("--distances and --nests are of a closed loop: give its --targets too.")
+            raise ConfigurationError("--distances and --nests are for a closed loop; give --targets as well.")
         return None
     if ballbar:
-        raise ConfigurationError("--targets and --ballbar are two ways to measure; give one.")
+        raise ConfigurationError("--targets and --ballbar cannot be combined; give one of them.")
     numbers = nests.replace(" ", "").split(",") if nests else []
     if not all(number.isdigit() for number in numbers):
         raise ConfigurationError(f"--nests {nests}: give numbers of tool nests with commas, such as 1,2,3.")
@@ -195,9 +208,7 @@ def _for_tracker(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPla
     space, knowns = subject.space, subject.knowns
     volume = asked.work_volume(space.robot)
     if asked.one_sided and not space.robot.masses:
-        raise ConfigurationError(
-            f"--one-sided goes by masses, and nobody states those of {space.robot.name}."
-        )
+        raise ConfigurationError(f"--one-sided needs masses, which are not known for {space.robot.name}.")
     planned = functools.partial(
         promised_session,
         space,
@@ -228,7 +239,9 @@ def _of_campaign(asked: _PlanRequest) -> "Subject":
     campaign = read_measured(Path(asked.subject))
     answer = identify(campaign)
     if answer.model is None:
-        raise ConfigurationError(f"Nothing can be promised from this campaign: {english(answer.message)}")
+        raise ConfigurationError(
+            f"No accuracy can be predicted from this campaign: {english(answer.message)}"
+        )
     return of_campaign(campaign, answer.model)
 
 
@@ -244,7 +257,7 @@ def _for_ballbar(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPla
         raise ConfigurationError("--ballbar plans for a robot or a cell file, not for a campaign; give one.")
     if asked.reading_mm is not None or asked.one_sided:
         raise ConfigurationError(
-            "--reading-mm and --one-sided are of positions; leave them out with --ballbar."
+            "--reading-mm and --one-sided are for positions; leave them out with --ballbar."
         )
     cell = cell_given(asked.subject).keeping_out(asked.keep_outs())
     lack = expected_discrepancy(cell) if discrepancy_mm is None else Discrepancy(discrepancy_mm)

@@ -20,7 +20,7 @@ def seconds(text: str) -> float:
     """Return a duration [s]; raises BadParameter."""
     found = _FORM.fullmatch(str(text).strip().lower())
     if found is None or float(found[1]) == 0:
-        raise typer.BadParameter(f"'{text}' is no duration; write 90s, 30m, 24h or 7d.")
+        raise typer.BadParameter(f"'{text}' is not a duration; write 90s, 30m, 24h or 7d.")
     return float(found[1]) * _SECONDS[found[2]]
 
 
@@ -30,7 +30,7 @@ BackupTo = Annotated[
 BackupEvery = Annotated[
     float, typer.Option(parser=seconds, help="Time between two copies.", metavar="90s|30m|24h|7d")
 ]
-BackupKeep = Annotated[int, typer.Option(min=1, help="So many of the newest copies stay.")]
+BackupKeep = Annotated[int, typer.Option(min=1, help="Number of newest copies to keep.")]
 A_DAY_S = 24 * 3600.0
 A_WEEK = 7  # copies
 
@@ -45,21 +45,24 @@ TlsCertificate = Annotated[
 ]
 TlsKey = Annotated[Path | None, typer.Option(help="PEM file of its key.")]
 Accounts = Annotated[
-    bool, typer.Option("--accounts/--no-accounts", help="Ask who somebody is; without, on loopback only.")
+    bool,
+    typer.Option(
+        "--accounts/--no-accounts", help="Require sign-in; without it, only this computer has access."
+    ),
 ]
 LogFile = Annotated[
-    Path | None, typer.Option(help="Log of JSON lines, 48 MB at most; by default beside the database.")
+    Path | None, typer.Option(help="Log file (JSON lines, up to 48 MB; default: beside the database).")
 ]
-LeastLogged = Annotated[LogLevel, typer.Option(help="Least weight of what is logged.", case_sensitive=False)]
+LeastLogged = Annotated[LogLevel, typer.Option(help="Lowest level that is logged.", case_sensitive=False)]
 PinSecret = Annotated[
     Path | None,
-    typer.Option(help="File of the secret that PINs are mixed with; by default beside the database."),
+    typer.Option(help="File with the secret for PIN hashes (default: beside the database)."),
 ]
 Host = Annotated[str, typer.Option(help="Address to listen on.")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")]
 Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 Faults = Annotated[
-    Path | None, typer.Option(help="What goes wrong in the simulated cell, and when (TOML, docs/faults.md).")
+    Path | None, typer.Option(help="Faults of the simulated cell and their times (TOML, docs/faults.md).")
 ]
 
 
@@ -95,19 +98,17 @@ def _print_reports(out: Path) -> None:
 def nightly_command(
     out: Annotated[
         Path,
-        typer.Option(help="Folder for reports, and for history.jsonl that each night adds to."),
+        typer.Option(help="Folder for reports, and for history.jsonl, to which each night is added."),
     ] = Path("truepose-nightly"),
-    seed: Annotated[
-        int | None, typer.Option(min=0, help="Of what the night draws; without it, of the day.")
-    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the draws (default: the date).")] = None,
     case: Annotated[
-        list[str] | None, typer.Option(help="Run only this case; may be repeated. No night is added.")
+        list[str] | None, typer.Option(help="Run only this case; may be repeated. Not added to the history.")
     ] = None,
     bench: Annotated[
         list[str] | None,
         typer.Option(help="MODULE:NAME of a driver's bench, or of a list of them; may be repeated."),
     ] = None,
-    label: Annotated[str, typer.Option(help="By which the night is found again, e.g. a commit.")] = "",
+    label: Annotated[str, typer.Option(help="Label to find the night by, such as a commit.")] = "",
 ) -> int:
     """Try everything that needs no person on simulated devices, and compare with the nights before.
 
@@ -121,9 +122,7 @@ def nightly_command(
 
 
 def serve_command(
-    cell: Annotated[
-        Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")
-    ] = None,
+    cell: Annotated[Path | None, typer.Option(help="Cell file (TOML; default: the simulated cell).")] = None,
     database: Annotated[
         str | None,
         typer.Option(help="URL of its records: sqlite:///cell.db, or postgresql://user@host/name."),
@@ -188,7 +187,7 @@ def simulate_command(
     scenario: Annotated[str, typer.Argument(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
     seed: Seed = 0,
     port_base: Annotated[int, typer.Option(min=0, max=65535, help="First port; 0 picks free ones.")] = 0,
-    pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: waiting costs nothing.")] = 1,
+    pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: no waiting.")] = 1,
     host: Host = "127.0.0.1",
     model: Annotated[
         Path | None,
@@ -196,9 +195,7 @@ def simulate_command(
     ] = None,
     state: Annotated[
         Path | None,
-        typer.Option(
-            help="Keep what is done in this file; started with it again, the cell stands where it stood."
-        ),
+        typer.Option(help="File that keeps the state of the cell, to resume from it."),
     ] = None,
     faults: Faults = None,
 ) -> int:
@@ -230,13 +227,14 @@ def plant_command(
     host: Host = "127.0.0.1",
     port: Port = 8100,
     every: Annotated[
-        float, typer.Option(parser=seconds, help="Time between two visits to a cell.", metavar="30s|10m|1h")
+        float,
+        typer.Option(parser=seconds, help="Time between two contacts with a cell.", metavar="30s|10m|1h"),
     ] = 30.0,
     due_after: Annotated[
         float,
         typer.Option(
             parser=seconds,
-            help="Time after its last measurement until a robot is due; per type in the cells file.",
+            help="Time after its last measurement until a robot is due; by type in the cells file.",
             metavar="14d|30d|90d",
         ),
     ] = 30 * A_DAY_S,
@@ -255,7 +253,7 @@ def plant_command(
         str | None,
         typer.Option(
             metavar="NUMBER|dask|dask://HOST:PORT",
-            help="Who compares robots: so many processes, or workers of Dask; else one process.",
+            help="Number of processes that compare robots, or Dask workers (default: one process).",
         ),
     ] = None,
     backup_to: BackupTo = None,

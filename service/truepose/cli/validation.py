@@ -38,25 +38,25 @@ class Rule(StrEnum):
 
 def validate_command(
     model: Annotated[Path, typer.Argument(help="Model file.")],
-    points: Annotated[Path, typer.Argument(help="Measured rows that the model was not made from.")],
+    points: Annotated[Path, typer.Argument(help="Measured rows that the model was not identified from.")],
     limit_mm: LimitMm = None,
     u_mm: UMm = None,
     decision_rule: Annotated[
-        Rule, typer.Option(help="Count the uncertainty of the readings (ISO 14253-1), or not.")
+        Rule, typer.Option(help="Whether to include the uncertainty of the readings (ISO 14253-1).")
     ] = Rule.GUARD_BAND,
     iso9283: Annotated[
-        bool, typer.Option("--iso9283", help="The rows hold cycles of poses: add the figures of ISO 9283.")
+        bool, typer.Option("--iso9283", help="Rows are cycles of poses: add the figures of ISO 9283.")
     ] = False,
     report: ReportFile = None,
     load: Annotated[str, typer.Option(help="Load during the test, for the report.")] = "",
     speed_mm_s: Annotated[float | None, typer.Option(help="Speed of the tool, for the report.")] = None,
     speed_percent: Annotated[
-        float | None, typer.Option(help="Speed as a share of the rated one, for the report.")
+        float | None, typer.Option(help="Speed relative to rated speed, for the report.")
     ] = None,
     settle_s: Annotated[
-        float | None, typer.Option(help="Time between motion and measurement, for the report.")
+        float | None, typer.Option(help="Delay between motion and measurement, for the report.")
     ] = None,
-    warm_up: Annotated[str, typer.Option(help="How the robot was warmed up, for the report.")] = "",
+    warm_up: Annotated[str, typer.Option(help="Warm-up of the robot, for the report.")] = "",
     instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,

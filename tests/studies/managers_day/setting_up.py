@@ -59,7 +59,7 @@ async def closing_time(day: Day) -> None:
             await cell.stop()
             verified = await answered("verify", str(cell.database), "--head", day.heads[cell.name])
             assert verified["whole"], verified
-            day.diary.saw(f"{cell.name}: {verified['records']} records, all as they were written")
+            day.diary.saw(f"{cell.name}: {verified['records']} records, none changed since it was written")
         await day.plant.stop()
         file = day.out / "plant.sqlite3"
         copied = await answered("copy", day.plant.database, str(file))

@@ -86,8 +86,8 @@ def test_the_first_line_on_a_terminal_is_the_answer(folder, done):
     ("arguments", "words"),
     [
         (("--effects", "base,geometri"), "no effect 'geometri'"),
-        (("--effects", ","), "names no effect"),
-        (("--model-out", "nowhere/extended.json"), "there is no folder"),
+        (("--effects", ","), "is empty: give"),
+        (("--model-out", "nowhere/extended.json"), "does not exist; create it first"),
     ],
 )
 def test_what_cannot_be_asked_is_one_sentence(folder, arguments, words):

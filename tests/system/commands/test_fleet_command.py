@@ -54,7 +54,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     other.write_text(files["pooled.json"].read_text().replace("ABB IRB 120", "another"))
     status, _, said = truepose("identify", archive / "robot-01-month-1", "--fleet", other)
     assert status == 2
-    assert "other.json is of robots of the type another" in said
+    assert "other.json is for robots of type another" in said
 
 
 def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(archive, tmp_path):
@@ -110,7 +110,7 @@ def test_a_table_that_cannot_be_meant_is_a_sentence(archive, tmp_path, rows, sen
         (("--type", "another"), "No campaign is of the type 'another'; there are ABB IRB 120 (4)."),
         (("--limit", "0"), "--limit 0: give a size above 0 mm."),
         (("--growth", "-1"), "--growth -1: give a size above 0 mm."),
-        (("--check", "nowhere/check.csv"), "there is no folder nowhere"),
+        (("--check", "nowhere/check.csv"), "the folder nowhere does not exist"),
     ],
 )
 def test_what_cannot_be_asked_is_a_sentence(archive, options, sentence):

@@ -85,4 +85,4 @@ def test_two_models_of_one_name_are_refused(folder):
 
     refused = sphere(folder / "test", "--model", model, "--model", model, status=2)
 
-    assert "each needs its own" in " ".join(refused.stderr.split())
+    assert "give each file a different name" in " ".join(refused.stderr.split())

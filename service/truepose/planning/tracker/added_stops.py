@@ -113,8 +113,8 @@ def _space(cell: Cell, plan: SessionPlan) -> WorkSpace:
     ranges = next((limits for limits in known if limits is not None), None)
     if ranges is None:
         raise WorkSpaceError(
-            f"Joint limits are missing: neither the cell file nor {cell.robot.name} states them. Add them to the "
-            "cell file; the robot does not move without joint limits."
+            f"Joint limits are missing: neither the cell file nor {cell.robot.name} states them. Add them "
+            "to the cell file; the robot does not move without joint limits."
         )
     return space_of_cell(cell, ranges, plan.approach_offset_rad)
 

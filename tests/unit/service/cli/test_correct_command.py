@@ -137,7 +137,7 @@ def test_a_program_is_never_replaced_by_its_correction(model, tmp_path):
     status, _, said = answer("correct", model, program, "--out", program)
 
     assert status == 2
-    assert "is the file of the targets: give another name" in said
+    assert "is the targets file itself; choose another name" in said
     assert program.read_text() == "MODULE A\nENDMODULE\n"
 
 

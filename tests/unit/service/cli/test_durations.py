@@ -16,5 +16,5 @@ def test_a_duration_has_a_unit(text, expected):
 
 @pytest.mark.parametrize("text", ["", "h", "-1h", "0h", "24 hours", "1w", "inf"])
 def test_what_is_no_duration_is_refused(text):
-    with pytest.raises(typer.BadParameter, match="no duration"):
+    with pytest.raises(typer.BadParameter, match="not a duration"):
         seconds(text)

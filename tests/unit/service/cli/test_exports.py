@@ -70,7 +70,7 @@ def test_a_fitted_table_is_nearer_to_the_model(model, tmp_path):
     ("arguments", "words"),
     [
         (("--as", "ros"), "ABB IRB 120 has not the axes of an arm of Universal Robots"),
-        (("--as", "urdf", "--out", "nowhere/robot.urdf"), "there is no folder nowhere"),
+        (("--as", "urdf", "--out", "nowhere/robot.urdf"), "the folder nowhere does not exist"),
     ],
 )
 def test_what_cannot_be_written_is_one_sentence(model, tmp_path, arguments, words):

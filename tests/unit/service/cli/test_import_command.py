@@ -46,8 +46,8 @@ def test_the_campaign_has_the_readings_as_they_were(exported, capsys):
     assert campaign.calibration.stops.joints_rad == pytest.approx(original.stops.joints_rad[:-2], abs=1e-9)
     assert [nest.standard_uncertainty_mm for nest in campaign.nests] == [0.002] * 3
     said = capsys.readouterr().out
-    assert "28 points at their joint angles" in said
-    assert "left out: P999." in said
+    assert "28 points with their joint angles" in said
+    assert "(ignored): P999." in said
 
 
 def test_the_day_is_kept_where_somebody_says_it_and_asked_for_where_nobody_does(exported, capsys):

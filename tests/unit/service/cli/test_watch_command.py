@@ -132,6 +132,6 @@ def test_what_is_stated_is_read_strictly(tmp_path):
 
 
 def test_a_folder_that_is_none_is_said_at_once(tmp_path):
-    with pytest.raises(ConfigurationError, match="is no folder; make it first"):
+    with pytest.raises(ConfigurationError, match="is not a folder; create it first"):
         watch_command(tmp_path / "nowhere", tmp_path / "results", once=True)
     assert names(tmp_path) == []
