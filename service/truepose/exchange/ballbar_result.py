@@ -34,7 +34,7 @@ _ATTRIBUTES: Final[Mapping[str, tuple[str, str]]] = {
 }
 _FEATURE: Final = "FEATURE"
 _PART_IN_NAME: Final = re.compile(r"_(\d+)\.b5r$", re.IGNORECASE)
-_NOT_XML: Final = "is no result of a ballbar test: a .b5r file of the maker's software is expected"
+_NOT_XML: Final = "is not a ballbar test result; a .b5r file from the ballbar software is required"
 
 
 @dataclass(frozen=True, slots=True)

@@ -199,7 +199,7 @@ def _program(model: Model, name: str, data: bytes, asked: CorrectionRequest) -> 
     program = read_program(data, name, beside=asked.beside, angles=asked.angles)
     if asked.most_targets is not None and len(program.targets) > asked.most_targets:
         raise UnreadableFileError(
-            f"the program has more than {asked.most_targets:,} targets, the most that is corrected at once",
+            f"the program has more than {asked.most_targets:,} targets, the limit for one correction",
             file=name,
         )
     return program
@@ -211,6 +211,6 @@ def _require_maker(model: Model, name: str) -> None:
     rivals = [known.maker for known in FORMATS if known.maker not in ("", maker)]
     if maker and any(rival.casefold() in model.robot.name.casefold() for rival in rivals):
         raise ConfigurationError(
-            f"{name} is a program for robots of {maker}, and the model is that of {model.robot.name}: take "
+            f"{name} is a program for {maker} robots, but the model is of {model.robot.name}: use "
             "the model of the robot that runs the program."
         )

@@ -68,7 +68,7 @@ def read_bytes(path: Path, *, most: int = GREATEST_BYTES) -> bytes:
     # Refused and not cut: the rest of a table that is read in part looks like a whole one.
     if len(data) > most:
         raise UnreadableFileError(
-            f"the file has more than {most // 2**20} MB, the most that is read", file=path.name
+            f"the file has more than {most // 2**20} MB, which is the limit", file=path.name
         )
     return data
 
@@ -139,7 +139,7 @@ class Node:
         if not isinstance(self.value, list):
             self.fail("a list is required")
         if count is not None and len(self.value) != count:
-            self.fail(f"{len(self.value)} entries stand where {count} are required")
+            self.fail(f"{len(self.value)} entries found where {count} are required")
         return tuple(self.child(index, entry) for index, entry in enumerate(self.value))
 
     def key(self, name: str) -> "Node":
@@ -217,7 +217,7 @@ class Node:
     def truth(self) -> bool:
         """Return true or false."""
         if not isinstance(self.value, bool):
-            self.fail(f"{_shown(self.value)} is neither true nor false")
+            self.fail(f"{_shown(self.value)} must be true or false")
         return self.value
 
     def vector(self) -> tuple[float, float, float]:

@@ -84,8 +84,8 @@ class Limits:
                 f"({self.least:g} {self.unit}); correct it"
             )
         return (
-            f"{shown} {self.unit} is no {self.what} that anybody could have read: "
-            f"{self.greatest:,.0f} {self.unit} is the most; correct it"
+            f"{shown} {self.unit} is not a plausible {self.what}: "
+            f"the limit is {self.greatest:,.0f} {self.unit}; correct it"
         )
 
 

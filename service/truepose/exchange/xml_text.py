@@ -28,7 +28,7 @@ def read_xml(parser: expat.XMLParserType, file: str, data: bytes, otherwise: str
     """
 
     def refuse_document_type(*_declared: object) -> NoReturn:
-        sentence = "the file declares a document type, which none of its kind does; remove the <!DOCTYPE"
+        sentence = "the file declares a document type, which is not supported; remove the <!DOCTYPE"
         raise UnreadableFileError(sentence, file=file, line=parser.CurrentLineNumber)
 
     parser.StartDoctypeDeclHandler = refuse_document_type

@@ -176,7 +176,7 @@ REFUSED = {
         "people",
         "nobody could confirm",
     ),
-    "limits of five joints": ("[-165, 165], ", "", "limits.joints_deg", "5 entries stand where 6"),
+    "limits of five joints": ("[-165, 165], ", "", "limits.joints_deg", "5 entries found where 6"),
     "limits upside down": ("[-165, 165]", "[165, -165]", "limits.joints_deg[0]", "is not below"),
     "a driver that is missing": ('driver = "leica_emscon"', "", "device[0]", "driver is missing"),
     "a device without a name": ('name = "tracker"', "", "device[0]", "key name is missing"),

@@ -64,9 +64,9 @@ def read_day(node: Node) -> date:
     try:
         day = date.fromisoformat(text)
     except ValueError:
-        node.fail(f"{text!r} is no day; one as 2026-03-03 is required")
+        node.fail(f"{text!r} is not a date; write it as YYYY-MM-DD, such as 2026-03-03")
     if day.isoformat() != text:  # of other ways to write a day, such as weeks
-        node.fail(f"{text!r} is no day as 2026-03-03")
+        node.fail(f"{text!r} is not a date such as 2026-03-03")
     return day
 
 
@@ -147,7 +147,7 @@ def _check_format(root: Node) -> None:
 def _check_kind(kind: Node | None) -> None:
     """Refuse a kind that there is not; what is measured, the tables say."""
     if kind is not None and kind.text() not in _KINDS:
-        kind.fail(f"{kind.text()!r} is no kind of campaign; it must be one of {', '.join(_KINDS)}")
+        kind.fail(f"{kind.text()!r} is not a kind of campaign; it must be one of {', '.join(_KINDS)}")
 
 
 def described_robot(root: Node) -> Robot:
@@ -181,7 +181,7 @@ def unknown_nests(named: Iterable[FloatArray]) -> list[None]:
 def _read_nests(root: Node) -> tuple[Nest, ...]:
     centres = root.key("tool_nests_mm").items()
     if len(centres) > MOST_NESTS:
-        root.key("tool_nests_mm").fail(f"{len(centres)} nests are more than the {MOST_NESTS} that are read")
+        root.key("tool_nests_mm").fail(f"{len(centres)} nests exceed the limit of {MOST_NESTS}")
     if not centres:
         root.key("tool_nests_mm").fail(
             "the list is empty; one entry per tool nest is required, null where unknown"
@@ -212,7 +212,7 @@ def _read_fixed_nests(root: Node) -> tuple[FixedNest, ...]:
     entries = centres.items()
     uncertainties = _one_or_each(root.key("fixed_nest_u_mm"), len(entries))
     if None in uncertainties:
-        root.key("fixed_nest_u_mm").fail("a certified nest has a standard uncertainty; null is not one")
+        root.key("fixed_nest_u_mm").fail("a certified nest needs a standard uncertainty; it cannot be null")
     return tuple(
         FixedNest(entry.vector(), uncertainty)
         for entry, uncertainty in zip(entries, uncertainties, strict=True)

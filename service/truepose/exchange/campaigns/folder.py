@@ -72,10 +72,10 @@ def read_campaign(folder: Path) -> Campaign:
 
 
 def _no_campaign(file: Path) -> str:
-    said = "this is no campaign folder, nor a zip of one"
+    said = "this is neither a campaign folder nor a zip of one"
     if file.suffix.lower() not in TABLES:
         return said
-    return f"{said}, but a table: `truepose import {file.name} --out CAMPAIGN` makes a campaign of it"
+    return f"{said}, but a table; import it with `truepose import {file.name} --out CAMPAIGN`"
 
 
 def write_campaign(campaign: Campaign, folder: Path) -> None:

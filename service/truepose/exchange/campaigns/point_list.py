@@ -39,7 +39,7 @@ def lines_of(file: str, data: bytes) -> tuple[list[Line], list[str]]:
     said = [line for _, line in texts if line.startswith(_COMMENTS)]
     kept = [(number, line) for number, line in texts if line and not line.startswith(_COMMENTS)]
     if not kept:
-        raise UnreadableFileError("there is no point in it", file=file)
+        raise UnreadableFileError("it has no points", file=file)
     # Once for the file: line by line a comma in a name would pass for a separator.
     separator = _separator(kept[0][1])
     return [Line(number, tuple(_words(line, separator))) for number, line in kept], said
@@ -49,9 +49,7 @@ def _stripped_lines(file: str, data: bytes) -> Iterator[tuple[int, str]]:
     """Yield the lines and their numbers, counted as they come."""
     for number, line in enumerate(io.StringIO(_text(file, data), newline=None), start=1):
         if number > MOST_LINES:
-            raise UnreadableFileError(
-                f"it has more than {MOST_LINES:,} lines, the most that is read", file=file
-            )
+            raise UnreadableFileError(f"it has more than {MOST_LINES:,} lines, which is the limit", file=file)
         if len(line) > LONGEST_LINE:
             raise UnreadableFileError(
                 f"the line has more than {LONGEST_LINE:,} characters", file=file, line=number
@@ -61,7 +59,7 @@ def _stripped_lines(file: str, data: bytes) -> Iterator[tuple[int, str]]:
 
 def _text(file: str, data: bytes) -> str:
     if b"\0" in data:
-        raise UnreadableFileError("this is no text; export the points as a text file", file=file)
+        raise UnreadableFileError("this is not text; export the points as a text file", file=file)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -138,7 +136,7 @@ def read_point_list(file: str, data: bytes, unit: str | None = None) -> tuple[Na
     columns = _of_header(lines[0])
     rows = lines if columns is None else lines[1:]
     if not rows:
-        raise UnreadableFileError("there is no point in it", file=file)
+        raise UnreadableFileError("it has no points", file=file)
     columns = columns or _of_rows(file, rows)
     scale = UNITS_MM[_unit(file, unit, columns.unit or _said(comments))]
     points = tuple(_point(file, line, columns, scale) for line in rows)
@@ -175,7 +173,7 @@ def _of_rows(file: str, rows: Sequence[Line]) -> _Columns:
     first = words + 1 if _numbered(rows, words) else words
     if first == 0:
         raise MissingEntryError(
-            "its points have no names; export them with names, that say which configuration each is",
+            "its points have no names; export them with names that tell their configuration",
             file=file,
         )
     return _Columns(first - 1, (first, first + 1, first + 2), (), None)
@@ -208,10 +206,12 @@ def _key(spelled: str) -> str | None:
 
 def _unit(file: str, given: str | None, found: str | None) -> str:
     if given is None and found is None:
-        raise WrongUnitError(f"the list does not say its unit; state it: {', '.join(UNITS_MM)}", file=file)
+        raise WrongUnitError(
+            f"the list does not state its unit; specify one: {', '.join(UNITS_MM)}", file=file
+        )
     # One of the two is wrong by a factor of ten at least, and only people know which.
     if given is not None and found is not None and given != found:
-        raise WrongUnitError(f"the list says that it is in {found}, and {given} was stated", file=file)
+        raise WrongUnitError(f"the list says that it is in {found}, but {given} was specified", file=file)
     return given or found or ""
 
 
@@ -219,7 +219,7 @@ def _point(file: str, line: Line, columns: _Columns, scale: float) -> NamedPoint
     needed = 1 + max(columns.name, *columns.position, *columns.uncertainty)
     if len(line.words) < needed:
         raise UnreadableFileError(
-            f"{len(line.words)} words stand where {needed} are needed", file=file, line=line.number
+            f"{len(line.words)} fields found where {needed} are needed", file=file, line=line.number
         )
     spread = _numbers(file, line, columns.uncertainty) if columns.uncertainty else None
     return NamedPoint(
@@ -247,7 +247,7 @@ def _require_one_each(file: str, points: Sequence[NamedPoint]) -> None:
     for point in points:
         if point.name in seen:
             raise BadValueError(
-                f"point {shown(point.name)} stands in line {seen[point.name]} too: keep the one that counts",
+                f"point {shown(point.name)} is in line {seen[point.name]} as well; keep the valid one",
                 file=file,
                 line=point.line,
             )

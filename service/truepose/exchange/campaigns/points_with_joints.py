@@ -126,7 +126,7 @@ def join_tables(
 
 def _fields(names: str) -> RowKey:
     if "{config}" not in names:
-        raise ConfigurationError(f"{names!r} does not say where {{config}} stands in a point's name.")
+        raise ConfigurationError(f"{names!r} does not show where {{config}} is in a point's name.")
     return tuple(field for field in _FIELDS if f"{{{field}}}" in names)
 
 
@@ -181,7 +181,7 @@ def _measured(file: str, pairs: Pairs, u_mm: float | None) -> dict[str, FloatArr
     spread = [point.uncertainty_mm for _, point in pairs]
     if u_mm is None and None in spread:
         raise MissingEntryError(
-            "the list of points has no uncertainties; state one for all of them (--u-mm)",
+            "the points have no uncertainties; specify one for all of them (--u-mm)",
             file=file,
         )
     own = [np.full(3, u_mm) if one is None or u_mm is not None else np.array(one) for one in spread]
@@ -194,7 +194,7 @@ def _measured(file: str, pairs: Pairs, u_mm: float | None) -> dict[str, FloatArr
 def _nothing_fits(points: Sequence[NamedPoint], table: Sequence[_Row], by: RowKey) -> str:
     names = ", ".join(shown(point.name) for point in points[:3])
     rows = ", ".join(" ".join(row.key(by))[:30] for row in table[:3])
-    return f"no point belongs to a row: points are called {names}, rows have {' and '.join(by)} {rows}"
+    return f"no point matches a row: points are called {names}, rows have {' and '.join(by)} {rows}"
 
 
 STATED: Final = "import.toml"  # where a folder of lists states it

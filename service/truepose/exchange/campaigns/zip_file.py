@@ -90,16 +90,12 @@ def _faults_told(name: str) -> Iterator[None]:
     try:
         yield
     except _DAMAGED as error:
-        raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
+        raise UnreadableFileError(f"this is not a complete zip file ({error})", file=name) from error
     # Before ValueError, of which it is one.
     except UnicodeDecodeError as error:
-        raise UnreadableFileError(
-            "the zip file names a member by bytes that are no text", file=name
-        ) from error
+        raise UnreadableFileError("a member name in the zip file is not text", file=name) from error
     except (NotImplementedError, RuntimeError, ValueError) as error:
-        raise UnreadableFileError(
-            f"the zip file uses what this program cannot open ({error})", file=name
-        ) from error
+        raise UnreadableFileError(f"the zip file uses an unsupported feature ({error})", file=name) from error
 
 
 def write_campaign_zip(campaign: Campaign, beside: Mapping[str, bytes] | None = None) -> bytes:
@@ -157,7 +153,7 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
         # Nothing is unpacked to disk here. But the archive is stored as it came, and whoever downloads it may
         # unpack it.
         if not _stays_inside(entry.filename):
-            raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
+            raise UnsafeArchiveError(f"member {entry.filename!r} points outside the archive", file=name)
         # Which of two members of one name is taken differs between programs: what one has checked another
         # would read.
         path = str(PurePosixPath(entry.filename))  # some programs write ./ before each
@@ -195,7 +191,7 @@ def _top_folder(members: Mapping[str, zipfile.ZipInfo], name: str) -> PurePosixP
     if len(folders) > 1:
         listed = ", ".join(sorted(str(folder) for folder in folders))
         raise UnreadableFileError(
-            f"several campaigns are in the archive ({listed}); one is required", file=name
+            f"the archive has several campaigns ({listed}); it must have exactly one", file=name
         )
     return folders[0]
 

@@ -48,7 +48,9 @@ def before_camera(cell: Cell, node: Node) -> Cell:
     said = _Section(**read_keys(node, _SECTION))
     # The camera's own level is taken from the world's z: along that there is none.
     if said.position_mm[:2] == said.looks_at_mm[:2]:
-        node.key("looks_at_mm").fail("the camera would look straight up or down; nothing says what is level")
+        node.key("looks_at_mm").fail(
+            "the camera would look straight up or down, which leaves its roll undefined"
+        )
     nests_mm = _nests(cell, node)
     read, defined = (pose_uncertainty(nests_mm, u_mm) for u_mm in (said.reading_u_mm, said.artefact_u_mm))
     # The nests of an artefact that is seen from all sides face nowhere; of a flat one they face along its
@@ -79,7 +81,7 @@ def _nests(cell: Cell, node: Node) -> FloatArray:
         node.fail(f"an artefact needs {_FEWEST_NESTS} tool nests, all with a centre; {len(known)} have one")
     nests_mm = np.array(known)
     if np.linalg.svd(nests_mm - centre(nests_mm), compute_uv=False)[1] < _LEAST_SPREAD_MM:
-        node.fail("the tool nests lie on a line; a pose cannot be told from them")
+        node.fail("the tool nests lie on a line, which does not determine a pose")
     return nests_mm
 
 

@@ -168,8 +168,8 @@ def _robot_of_scenario(scenario: str) -> str:
             return robot
     known = " or ".join(f"{prefix}..." for prefix in _ROBOT_OF_SCENARIOS)
     raise UnknownRobotError(
-        f"Scenario {scenario!r} does not say which robot stands in the cell: its name must begin with "
-        f"{known}, or a cell file must name robot and scenario."
+        f"Scenario {scenario!r} does not name the robot of the cell: begin its name with "
+        f"{known}, or name robot and scenario in a cell file."
     )
 
 
@@ -260,6 +260,6 @@ def cell_given(given: str) -> Cell:
     if given.startswith(SCENARIO_PREFIXES):
         return simulated_cell(given, 0)
     raise UnknownRobotError(
-        f"{given!r} is no campaign folder, no file of a cell or robot, and no robot; the shipped robots are "
+        f"{given!r} is not a campaign folder, cell file, robot file or robot name; the shipped robots are "
         f"{', '.join(list_robots())}."
     )

@@ -33,7 +33,7 @@ def _read_url(node: Node) -> str:
     parts = _parts(text)
     if parts is None or parts.scheme not in {"http", "https"} or not _is_place(text, parts):
         node.fail(
-            "an address is http:// or https://, a name and perhaps a port, as https://cell-3.plant:8443"
+            "write the address as http:// or https://, host name and optional port, such as https://cell-3.plant:8443"
         )
     return text
 
@@ -85,7 +85,7 @@ def read_plant_file(path: Path) -> PlantFile:
     """
     root = toml_document(path.name, read_bytes(path))
     for entry in root.unlisted(["cell", _DUE]):
-        entry.fail(f"this key is not known here; cells stand as [[cell]], days of robot types in [{_DUE}]")
+        entry.fail(f"unknown key; cells are [[cell]] entries, days of robot types in [{_DUE}]")
     cells: dict[str, PlantCell] = {}
     for node in root.key("cell").items():
         cell = _read_cell(node, path.parent)
@@ -93,7 +93,9 @@ def read_plant_file(path: Path) -> PlantFile:
             node.key("name").fail(f"two cells are called {cell.name!r}; names must differ")
         twin = next((one.name for one in cells.values() if one.url == cell.url), None)
         if twin is not None:
-            node.key("url").fail(f"{twin!r} has this address; one cell would be collected twice")
+            node.key("url").fail(
+                f"{twin!r} has the same address; remove one entry, or the cell is collected twice"
+            )
         cells[cell.name] = cell
     return PlantFile(tuple(cells.values()), _read_due(root.optional(_DUE)))
 
@@ -104,11 +106,11 @@ def _read_due(node: Node | None) -> dict[str, float]:
 
 def _read_cell(node: Node, folder: Path) -> PlantCell:
     for entry in node.unlisted([key.name for key in _CELL]):
-        entry.fail("this key is not known here; a cell has name, url, token_file and certificate")
+        entry.fail("unknown key; a cell has name, url, token_file and certificate")
     cell = PlantCell(**read_keys(node, _CELL))
     if cell.token_file is not None and not _stays_secret(cell.url):
         node.key("token_file").fail(
-            "a token is sent over https:// alone, or to this very computer: over http:// everybody on the "
+            "a token is sent over https:// only, or to this computer: over http:// anyone on the "
             "network could read it"
         )
     token, certificate = (

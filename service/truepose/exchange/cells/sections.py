@@ -34,7 +34,7 @@ def _read_date(node: Node) -> str:
     try:
         return date.fromisoformat(node.text()).isoformat()
     except ValueError:
-        node.fail(f"{node.value!r} is no date; write it as 2027-01-31")
+        node.fail(f"{node.value!r} is not a date; write it as 2027-01-31")
 
 
 _DEVICE: Final = [
@@ -61,7 +61,7 @@ _ROUNDING_RAD = 1e-9  # limits come from degrees
 def refuse_unlisted(node: Node, known: Collection[str]) -> None:
     """Refuse a key that is not `known`: a mistyped limit must not be ignored in a file that moves a robot."""
     for entry in node.unlisted(known):
-        entry.fail(f"there is no such key; the keys here are {', '.join(sorted(known))}")
+        entry.fail(f"unknown key; the keys here are {', '.join(sorted(known))}")
 
 
 def _sealed(kind: type[T], keys: Sequence[Key], extra: Collection[str] = ()) -> Form:
@@ -131,7 +131,7 @@ def certified_length(n_fixed_nests: int) -> Form:
     def pair(node: Node) -> tuple[int, int]:
         first, second = (entry.whole(least=1, greatest=n_fixed_nests) for entry in node.items(2))
         if first == second:
-            node.fail("a length joins two different nests")
+            node.fail("a length must join two different nests")
         return first, second
 
     keys = [
@@ -175,9 +175,7 @@ def limits_of(robot: Robot) -> Form:
 def _read_tool_speed(node: Node) -> float:
     speed_mm_s = node.number(above=0.0)
     if speed_mm_s > _FASTEST_MM_S:
-        node.fail(
-            f"{speed_mm_s:g} mm/s is too fast for an arm that is measured; at most {_FASTEST_MM_S:g} mm/s"
-        )
+        node.fail(f"{speed_mm_s:g} mm/s is too fast for measuring; the limit is {_FASTEST_MM_S:g} mm/s")
     return speed_mm_s
 
 
@@ -186,7 +184,7 @@ def read_cone(node: Node) -> float:
     angle_deg = node.number(above=0.0)
     if angle_deg >= _QUARTER_DEG:
         node.fail(
-            f"{angle_deg:g} deg is no cone; a corner cube is seen within 30 deg, a flat artefact within 15"
+            f"{angle_deg:g} deg is no cone; a corner cube is visible within 30 deg, a flat artefact within 15"
         )
     return math.radians(angle_deg)
 
@@ -201,8 +199,8 @@ def _read_within(node: Node, robot: Robot) -> tuple[JointRange, ...]:
         low, high = own.lower_rad - _ROUNDING_RAD, own.upper_rad + _ROUNDING_RAD
         if not low <= given.lower_rad <= given.upper_rad <= high:
             node.items()[joint - 1].fail(
-                f"joint {joint} would go from {_degrees(given)}, where the {robot.name} itself goes from "
-                f"{_degrees(own)}; keep within that"
+                f"joint {joint} would go from {_degrees(given)}, but the limits of the {robot.name} are "
+                f"{_degrees(own)}; stay within them"
             )
     return ranges
 
@@ -218,12 +216,12 @@ def read_people(node: Node) -> tuple[str, ...]:
         name = tidy_name(entry.text())
         fault = fault_of_name(name)
         if fault is not None:
-            entry.fail(f"this name {english(fault)}; a name is what a person can read")
+            entry.fail(f"this name {english(fault)}; use a readable name")
         if announced_as(name, people) is not None:
-            entry.fail(f"{name} is announced twice; keep one")
+            entry.fail(f"{name} is listed twice; keep one")
         people.append(name)
     if not people:
-        node.fail("nobody is announced, so nobody could confirm; name people, or leave the key out")
+        node.fail("no operators are listed, so nobody could confirm; list operators, or remove the key")
     return tuple(people)
 
 
@@ -248,7 +246,7 @@ def _refuse_mixture(node: Node, devices: Mapping[str, DeviceEntry]) -> None:
         if device.options.get("host") != host:
             entry.fail(
                 f"device {device.name} is not at {host}, where {simulated[0].name} of a simulated cell is: "
-                "what is simulated and what is real are never mixed"
+                "simulated and real devices must not be mixed"
             )
 
 
@@ -289,7 +287,7 @@ def read_simulated(root: Node) -> SimulatedCell | None:
 def _read_pace(node: Node) -> int:
     pace = node.whole(least=0)
     if pace > 1:
-        node.fail("the pace is 1, real time, or 0: waiting costs nothing")
+        node.fail("the pace must be 1 (real time) or 0 (no waiting)")
     return pace
 
 

@@ -116,7 +116,7 @@ def _interval(node: Node) -> tuple[float, float]:
 def _direction(node: Node) -> Vector:
     outward = node.vector()
     if not any(outward):
-        node.fail("points nowhere; give the direction from the plane to the free side")
+        node.fail("the vector is zero; give the direction from the plane to the free side")
     return outward
 
 

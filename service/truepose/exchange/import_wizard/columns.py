@@ -73,7 +73,7 @@ def _require_whole(sheet: Sheet) -> None:
     for row in sheet.rows:
         if len(row.cells) != width and any(row.cells[width:] or ("torn",)):
             raise UnreadableFileError(
-                f"{len(row.cells)} cells stand where the table has {width} columns",
+                f"{len(row.cells)} cells found where the table has {width} columns",
                 file=sheet.name,
                 line=row.line,
             )
@@ -85,7 +85,7 @@ def _of_point(sheet: Sheet, meanings: Sequence[ColumnMeaning], point: int) -> di
         if meaning.quantity != NOTHING and meaning.point in {0, point}:
             if meaning.column in found:
                 raise BadValueError(
-                    "two columns are taken for this one; keep one, and take the other for nothing",
+                    "two columns are assigned to this one; keep one and ignore the other",
                     file=sheet.name,
                     line=sheet.header_line,
                     column=meaning.column,

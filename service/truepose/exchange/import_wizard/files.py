@@ -51,7 +51,7 @@ def unpack_files(files: Mapping[str, bytes]) -> dict[str, bytes]:
 def _require_few(found: Mapping[str, bytes]) -> None:
     # As they come: of archives each is within its limits, and all of them need not be.
     if len(found) > MOST_FILES:
-        raise UnsafeArchiveError(f"more than the {MOST_FILES} files that are read", file="upload")
+        raise UnsafeArchiveError(f"more than {MOST_FILES} files, which is the limit", file="upload")
     if sum(map(len, found.values())) > TOTAL_LIMIT_BYTES:
         raise UnsafeArchiveError(f"the content exceeds {TOTAL_LIMIT_BYTES // 2**20} MB", file="upload")
 

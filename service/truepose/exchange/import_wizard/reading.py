@@ -114,7 +114,7 @@ def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
 
     def load(name: str) -> bytes:
         if name not in texts:
-            raise MissingFileError("there is no such file among those that were brought", file=name)
+            raise MissingFileError("this file is not among the imported files", file=name)
         return texts[name]
 
     try:
@@ -317,9 +317,7 @@ def read_tables(path: Path, choices: Choices, *, accept_changes: bool) -> Readin
     """
     paths = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
     if len(paths) > MOST_FILES:
-        raise UnsafeArchiveError(
-            f"{len(paths)} files are more than the {MOST_FILES} that are read", file=path.name
-        )
+        raise UnsafeArchiveError(f"{len(paths)} files exceed the limit of {MOST_FILES}", file=path.name)
     files = {one.name: read_bytes(one) for one in paths}
     found = read_imported_files(files, choices)
     robot = found.understood.robot

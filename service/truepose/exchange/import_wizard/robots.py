@@ -160,7 +160,7 @@ def _require_joints(changes: Sequence[Change], n_joints: int) -> None:
     """Refuse a change of a joint that the robot has not: it was made for other columns."""
     of_joints = (one for one in changes if one.kind in {"other_way", "coupled", "columns", "zero"})
     if any(max(one.first, one.second) >= n_joints for one in of_joints):
-        raise ConfigurationError("A change names a joint that this robot has not; take the change back.")
+        raise ConfigurationError("A change names a joint that this robot does not have; undo the change.")
 
 
 def apply_changes(

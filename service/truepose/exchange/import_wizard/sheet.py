@@ -14,8 +14,8 @@ from truepose.exchange.tables.rows import LONGEST_LINE, MOST_COLUMNS, MOST_ROWS,
 _MOST_LINES: Final = 1_000_000  # with blank ones and notes
 _LOOKED_AT: Final = 60  # lines, to see what separates
 _BINARY: Final = {
-    b"PK\x03\x04": "this is a workbook or an archive, not a table; save the sheet as CSV and bring that",
-    b"\xd0\xcf\x11\xe0": "this is a workbook of an old spreadsheet; save the sheet as CSV and bring that",
+    b"PK\x03\x04": "this is a workbook or an archive, not a table; save the sheet as CSV and import that",
+    b"\xd0\xcf\x11\xe0": "this is a workbook in an old format; save the sheet as CSV and import that",
     b"%PDF": "this is a PDF; export the readings as a text file",
 }
 _MARKS: Final = (
@@ -42,7 +42,7 @@ def decode_text(file: str, data: bytes) -> str:
         # Replaced and not refused: what is damaged by it are letters of headings, never digits.
         text = data.decode("cp1252", errors="replace")  # as spreadsheets under Windows write
     if "\0" in text:
-        raise UnreadableFileError("this is no text; export the readings as a text file", file=file)
+        raise UnreadableFileError("this is not text; export the readings as a text file", file=file)
     return text
 
 
@@ -187,7 +187,7 @@ def read_sheet(file: str, data: bytes, edits: Edits | None = None) -> Sheet:
     Raises
     ------
     UnreadableFileError
-        It is no text, or there is no table of numbers in it.
+        It is no text, or it has no table of numbers.
     """
     texts = _edited(lines_of(file, decode_text(file, data)), edits or {})
     kept = [(number, text) for number, text in enumerate(texts, start=1) if text.strip()]
@@ -220,7 +220,7 @@ def _split(
         cells = cells_of(text, separator)
         total += len(cells)
         if total > MOST_CELLS or count > MOST_ROWS:
-            raise UnreadableFileError("the file has more cells than are read", file=file)
+            raise UnreadableFileError("the file has too many cells", file=file)
         yield number, cells
 
 
@@ -243,10 +243,10 @@ def _first_row(file: str, lines: Sequence[tuple[int, list[str]]]) -> int:
         if _numeric(cells) and not _is_comment(cells):
             if len(cells) > MOST_COLUMNS:
                 raise UnreadableFileError(
-                    f"it has more than the {MOST_COLUMNS} columns that are read", file=file
+                    f"it has more than {MOST_COLUMNS} columns, which is the limit", file=file
                 )
             return at
-    raise UnreadableFileError("there is no table of numbers in it", file=file)
+    raise UnreadableFileError("it has no table of numbers", file=file)
 
 
 def _header(above: Sequence[tuple[int, list[str]]], width: int) -> tuple[tuple[str, ...], int | None]:

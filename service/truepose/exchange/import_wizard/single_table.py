@@ -91,7 +91,7 @@ class SingleTable:
             return self
         if u_mm is None:
             raise MissingEntryError(
-                "no column says how uncertain the readings are; name it in mm (--u-mm, or a column u_mm)",
+                "no column has the uncertainty of the readings; state it in mm (--u-mm, or a column u_mm)",
                 file=self.name,
             )
         n = len(next(iter(self.data.values())))

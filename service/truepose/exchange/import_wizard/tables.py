@@ -211,14 +211,14 @@ def _rows_of(points: ImportedTable, joints: ImportedTable) -> IntArray:
         if len(points) != len(joints):
             raise BadValueError(
                 f"it has {len(points)} rows and {joints.places[0].file} has {len(joints)}: "
-                "a column that both have must say which belong together",
+                "a column in both must show which rows belong together",
                 file=points.places[0].file,
             )
         return np.arange(len(points))
     row_of = {value: row for row, value in reversed(list(enumerate(there.tolist())))}
     for row, value in enumerate(wanted.tolist()):
         if value not in row_of:
-            sentence = f"no row of {joints.places[0].file} has the joints of this one"
+            sentence = f"no row of {joints.places[0].file} has the joints for this row"
             raise ImportedValueError(sentence, points.places[row], "config")
     return np.array([row_of[value] for value in wanted.tolist()])
 

@@ -51,7 +51,7 @@ class _Book:
         """Count what cells hold; raises UnreadableFileError where it is more than is read."""
         self.characters += characters
         if self.characters > _MOST_CHARACTERS:
-            raise UnreadableFileError("its cells have more text than is read", file=self.name)
+            raise UnreadableFileError("its cells have too much text", file=self.name)
 
 
 def is_workbook(path: str, data: bytes) -> bool:
@@ -71,7 +71,7 @@ def read_workbook(data: bytes, name: str) -> dict[str, bytes]:
     """
     book = _Book(read_zip_files(data, name), name)
     if _BOOK not in book.parts:
-        raise UnreadableFileError("this is not a workbook; save the sheet as CSV and bring that", file=name)
+        raise UnreadableFileError("this is not a workbook; save the sheet as CSV and import that", file=name)
     book.texts = list(_shared_texts(book))
     book.dated = list(_dated_styles(book))
     found = {title: _text(_rows(book, part)) for title, part in _sheets(book)}
@@ -199,11 +199,11 @@ class _Cells:
             # cell would pass for one that nobody filled in.
             if self._formula:
                 raise self._refused(
-                    "a formula has come to nothing yet; open the book in its program and save it"
+                    "a formula has no stored result; open the workbook in its spreadsheet program and save it"
                 )
             return
         if not 0 < row <= MOST_ROWS or column > MOST_COLUMNS:
-            raise self._refused("the sheet has more cells than are read")
+            raise self._refused("the sheet has too many cells")
         text = self._shown(value)
         self._book.count(len(text))
         # By place and not in a grid: two cells in far corners must not cost what lies between them (decision
@@ -228,7 +228,9 @@ class _Cells:
 
     def _whole(self, text: str) -> int:
         if not _WHOLE.fullmatch(text):
-            raise self._refused(f"a cell cannot be read: {text[:30]!r} is no number of a row, style or text")
+            raise self._refused(
+                f"a cell cannot be read: {text[:30]!r} is not the number of a row, style or text"
+            )
         return int(text)
 
     def _refused(self, sentence: str) -> UnreadableFileError:
@@ -258,7 +260,7 @@ def _rows(book: _Book, part: str) -> list[list[str]]:
     _read(book, part, cells.begin, cells.end, cells.letters)
     # Blank cells before others are text in the end, and count.
     if sum(max(row) for row in cells.rows.values()) > _MOST_CELLS:
-        raise UnreadableFileError("the sheet has more cells than are read", file=book.name)
+        raise UnreadableFileError("the sheet has too many cells", file=book.name)
     rows = [cells.rows.get(number, {}) for number in range(1, max(cells.rows, default=0) + 1)]
     return [[row.get(column, "") for column in range(1, max(row, default=0) + 1)] for row in rows]
 

@@ -196,7 +196,7 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
     if model.robot.name != cell.robot.name or not _same_table(model.robot, cell.robot):
         raise UnsuitableModelError(
             f"The model is of {model.robot.name}; this cell has {cell.robot.name} "
-            f"({cell.robot_key}), whose table of joints is another one. Hand down a model of that."
+            f"({cell.robot_key}), with a different joint table. Push a model of that robot."
         )
     known = [nest.centre_mm for nest in cell.nests]
     apart_mm = _apart_mm([nest.centre_mm for nest in model.nests], known)
@@ -231,7 +231,7 @@ def accepted_model(document: Mapping[str, Any], cell: Cell, accepted_shift_mm: f
         far = f", with values {far_sentence(handed.far)}" if handed.far else ""
         raise UnsuitableModelError(
             f"The model moves the tool by up to {shift_sentence(handed.shift)}{far}; this cell accepts up to "
-            f"{handed.limit_mm:g} mm. Whoever accepts it confirms that shift (accepted_shift_mm)."
+            f"{handed.limit_mm:g} mm. To accept it, confirm that shift (accepted_shift_mm)."
         )
     return handed.model
 
@@ -241,7 +241,7 @@ def _read(document: Mapping[str, Any]) -> ModelFile:
         return model_file_from_text(json.dumps(document).encode(), "handed-down model")
     except InputFileError as error:
         raise UnsuitableModelError(
-            f"What was handed down cannot be read as a model: {error} Hand down a model as it is downloaded."
+            f"The pushed model cannot be read: {error} Push a model file as downloaded."
         ) from error
 
 

@@ -46,8 +46,8 @@ def require_unedited(root: Node) -> Integrity:
     found = integrity_of(root.entries())
     if found is Integrity.EDITED:
         root.key(KEY).fail(
-            "the model was edited after truepose wrote it: its digest is that of other values; take the file "
-            "as it was written, or identify again",
+            "the model was edited after truepose wrote it: its digest does not match its values; restore "
+            "the original file, or identify again",
             EditedFileError,
         )
     return found

@@ -58,7 +58,7 @@ def export(model: Model, form: Format, *, fitted: bool = False, as_csv: bool = F
         The format cannot hold this robot, there is no such format, or the model does not know its zone.
     """
     if form not in FORMATS:
-        raise ConfigurationError(f"{form!r} is no format for a model; there are {', '.join(FORMATS)}.")
+        raise ConfigurationError(f"{form!r} is not a model format; the formats are {', '.join(FORMATS)}.")
     # What is typed into a controller is no table: zeros, frames and tool points are worked out for it alone.
     if form == "controller":
         values = controller_values(model)

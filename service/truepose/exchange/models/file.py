@@ -159,7 +159,7 @@ def _spec(node: Node) -> ParameterSpec:
 def _unit(node: Node) -> Unit:
     unit = node.text()
     if unit not in _UNITS:
-        node.fail(f"{unit!r} is no unit of a parameter; one of {', '.join(_UNITS)} is required")
+        node.fail(f"{unit!r} is not a unit of a parameter; one of {', '.join(_UNITS)} is required")
     return _UNITS[unit]
 
 

@@ -72,5 +72,5 @@ def frame_defined(text: str, option: str) -> tuple[str, Pose]:
         raise ConfigurationError(f"{option} {text}: give NAME=x,y,z,qw,qx,qy,qz, in mm.") from None
     # Of what is not finite the comparison is false.
     if not (math.isfinite(x + y + z) and abs(math.hypot(qw, qx, qy, qz) - 1.0) <= _UNIT):
-        raise ConfigurationError(f"{option} {text}: its last four numbers are no quaternion of length 1.")
+        raise ConfigurationError(f"{option} {text}: its last four numbers are not a unit quaternion.")
     return name.strip(), Pose((x, y, z), (qw, qx, qy, qz))

@@ -91,6 +91,4 @@ def format_of(name: str) -> Format:
         if suffix in known.suffixes:
             return known
     listed = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
-    raise UnreadableFileError(
-        f"the ending of the name is that of no known program; known are tables (.csv), {listed}", file=name
-    )
+    raise UnreadableFileError(f"unknown file extension; supported are tables (.csv), {listed}", file=name)

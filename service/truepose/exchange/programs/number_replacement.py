@@ -86,7 +86,7 @@ def _replacements(target: ProgramTarget, value: Value) -> Iterator[_Replacement]
 def _rotation(target: ProgramTarget, quaternion: Quaternion, stood: tuple[float, ...]) -> tuple[float, ...]:
     """Return the quaternion that is nearest to the one that stood, of the two that are the same rotation."""
     if abs(hypot(*quaternion) - 1.0) > _MOST_OFF_UNIT:
-        raise ValueError(f"{target.name}: {quaternion} is no unit quaternion")
+        raise ValueError(f"{target.name}: {quaternion} is not a unit quaternion")
     return tuple(near_quaternion(normalise(quaternion), stood))
 
 

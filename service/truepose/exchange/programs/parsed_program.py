@@ -174,7 +174,7 @@ class Draft:
         """Refuse a program of a few lines of which each may mean thousands of targets."""
         self._meant += max(len(targets) - 1, 0)
         if self._meant > _MOST_MEANT:
-            sentence = "computed indices choose among more targets than are followed; split the program"
+            sentence = "computed indices select among too many targets; split the program"
             self.source.fail(sentence, self.source.line_span(line)[0])
 
     def interrupt(self) -> None:

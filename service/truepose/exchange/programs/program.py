@@ -148,7 +148,7 @@ class ProgramTarget:
         if known is not None and len(known) != joints:
             raise ConfigurationError(
                 f"{self.name} in line {self.line} has {len(known)} joints, the model has {joints}: the "
-                "program is of another robot."
+                "program is for another robot."
             )
         return known
 

@@ -57,7 +57,7 @@ def read_covariance(node: Node, size: int) -> FloatArray:
     if np.any(np.abs(np.nan_to_num(covariance)) > (1.0 + _TOLERANCE) * scale):
         node.fail("a covariance must not have correlations beyond 1")
     if _least_variance(covariance, deviations) < -_FEW_DIGITS:
-        node.fail("a covariance must not have negative variances, of no combination of its parameters either")
+        node.fail("a covariance must not have negative variances, nor may any combination of its parameters")
     return covariance
 
 
@@ -89,7 +89,7 @@ def read_joints(node: Node) -> tuple[JointRow, ...]:
 def _read_joint(row: Node, number: int) -> JointRow:
     joint = row.key("joint")
     if joint.whole() != number:
-        joint.fail(f"joint {joint.whole()} stands in row {number}; rows are numbered 1, 2, ... in order")
+        joint.fail(f"joint {joint.whole()} is in row {number}; rows are numbered 1, 2, ... in order")
     return JointRow(**read_keys(row, [*_JOINT, _TILT]))
 
 

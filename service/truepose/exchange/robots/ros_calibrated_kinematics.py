@@ -136,7 +136,7 @@ def kinematics_text(subject: Subject) -> str:
     """
     if not is_of_that_structure(subject.model.robot):
         raise UnsuitableModelError(
-            f"{subject.model.robot.name} has not the axes of an arm of Universal Robots, which this format "
+            f"{subject.model.robot.name} does not have the axes of a Universal Robots arm, which this format "
             "describes: export it as URDF."
         )
     frames = [joint_origin(row) for row in subject.arm.robot.joints]

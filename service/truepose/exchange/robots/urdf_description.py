@@ -149,7 +149,7 @@ def read_description(file: str, data: bytes) -> Description:
     """
     root = parse_xml(file, data)
     if root.tag != "robot":
-        root.fail(f"this is no URDF: it begins with <{root.tag}>, not <robot>", UnreadableFileError)
+        root.fail(f"this is not a URDF: it begins with <{root.tag}>, not <robot>", UnreadableFileError)
     _refuse_xacro(root)
     if len(root.children) > _MOST_ELEMENTS:
         root.fail(f"it has more than {_MOST_ELEMENTS} links and joints, more than any robot")
@@ -164,7 +164,7 @@ def _refuse_xacro(root: Element) -> None:
     macro = next((child for child in root.children if child.tag.startswith("xacro:")), None)
     if macro is not None:
         macro.fail(
-            "this is a xacro file, from which a URDF is made: run `xacro` first and give what it writes",
+            "this is a xacro file, from which a URDF is made: run `xacro` first and use its output",
             UnreadableFileError,
         )
 
@@ -262,7 +262,7 @@ def _numbers(element: Element, name: str, absent: tuple[float, ...]) -> tuple[fl
     words = element.attributes[name].split()
     numbers = tuple(_number(element, word) for word in words)
     if len(numbers) != len(absent):
-        element.fail(f"{len(numbers)} numbers stand under {name} where {len(absent)} are required")
+        element.fail(f"{len(numbers)} numbers found under {name} where {len(absent)} are required")
     return numbers
 
 

@@ -88,8 +88,8 @@ class _Tree:
             other = holders.setdefault(joint.child, joint)
             if other is not joint:
                 joint.element.fail(
-                    f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}: a loop, "
-                    "which no URDF can have"
+                    f"link {joint.child!r} has two parent joints, {other.name!r} and {joint.name!r}: a loop, "
+                    "which URDF does not allow"
                 )
         return holders
 
@@ -97,9 +97,9 @@ class _Tree:
         """Return the link that no joint holds."""
         roots = [name for name in self._description.links if name not in self._holder]
         if not roots:
-            self._refuse("every link hangs on another one: the joints go round in a circle")
+            self._refuse("every link has a parent: the joints form a loop")
         if len(roots) > 1:
-            self._refuse(f"links {roots[0]!r} and {roots[1]!r} hang on nothing: these are two robots")
+            self._refuse(f"links {roots[0]!r} and {roots[1]!r} have no parent: these are two robots")
         return roots[0]
 
     def _require_one_piece(self) -> None:
@@ -112,7 +112,7 @@ class _Tree:
             waiting += children
         astray = next((name for name in self._description.links if name not in found), None)
         if astray is not None:
-            self._refuse(f"link {astray!r} hangs in a circle of joints, not on link {self.root!r}")
+            self._refuse(f"link {astray!r} is in a loop of joints, not connected to link {self.root!r}")
 
     def known(self, name: str) -> str:
         """Return the name of a link that is there."""
@@ -127,7 +127,7 @@ class _Tree:
         while link != base:
             joint = self._holder.get(link)
             if joint is None:
-                self._refuse(f"link {tip!r} does not hang on link {base!r}")
+                self._refuse(f"link {tip!r} is not a descendant of link {base!r}")
             joints.append(joint)
             link = joint.parent
         return tuple(reversed(joints))
@@ -162,14 +162,16 @@ class _Tree:
 def _require_turning(joints: Sequence[Joint], description: Description) -> None:
     for joint in joints:
         if joint.kind != FIXED and not joint.turns:
-            joint.element.fail(f"joint {joint.name!r} is {joint.kind}; only arms of revolute joints are read")
+            joint.element.fail(
+                f"joint {joint.name!r} is {joint.kind}; only arms of revolute joints are supported"
+            )
         if joint.follows is not None:
             joint.element.fail(
-                f"joint {joint.name!r} follows joint {joint.follows!r}; only arms whose joints turn by "
-                "themselves are read"
+                f"joint {joint.name!r} follows joint {joint.follows!r}; only arms whose joints turn "
+                "independently are supported"
             )
     if not any(joint.turns for joint in joints):
-        description.element.fail("there is no joint that turns between base and tip")
+        description.element.fail("there is no revolute joint between base and tip")
 
 
 _MOST_BYTES: Final = 16 * 2**20  # a thousand times what describes an arm without its meshes

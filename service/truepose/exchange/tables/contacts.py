@@ -68,7 +68,7 @@ def read_contact_table(
     """Read contacts; raises an InputFileError that names line and column."""
     if not targets:
         raise MissingEntryError(
-            "contacts are against targets, and there is no table of these: give one under files.targets",
+            "contacts need a table of targets: name one under files.targets",
             file=file,
         )
     own = _contact_fields(nests, [target.number for target in targets])
@@ -189,7 +189,7 @@ def read_distance_table(file: str, data: TableData, targets: Targets) -> tuple[T
     table = read_table(file, data, columns_of(own))
     distances = TargetDistances(**read_fields(table, own))
     apart = distances.target_a != distances.target_b
-    table.require(apart, "target_b", "a distance is between two different targets")
+    table.require(apart, "target_b", "a distance must be between two different targets")
     return distances, ignored_columns(table)
 
 

@@ -178,7 +178,7 @@ def _require_one_place_each(table: Table, number: Sequence[str], joints: Sequenc
     table.require(
         away_deg.max(axis=1) <= SAME_JOINTS_DEG,
         number[0],
-        f"configuration {table.whole(number[0])[row]} stands on {table.counted} {table.lines[earlier[row]]} "
+        f"configuration {table.whole(number[0])[row]} is on {table.counted} {table.lines[earlier[row]]} "
         f"with other joints ({joints[joint]} differs by {away_deg[row, joint]:.4g}); "
-        "number each place of the arm once",
+        "give each set of joints its own number",
     )

@@ -95,7 +95,10 @@ def _day(name: str, line: int, text: str) -> date | None:
         return date.fromisoformat(text) if text else None
     except ValueError as error:
         raise BadValueError(
-            f"{text!r} is no day; one as 2026-03-03 is required", file=name, line=line, column="day"
+            f"{text!r} is not a date; write it as YYYY-MM-DD, such as 2026-03-03",
+            file=name,
+            line=line,
+            column="day",
         ) from error
 
 

@@ -193,8 +193,8 @@ def _full_covariance(table: Table) -> FloatArray:
     table.require(
         np.abs(entries).max(axis=1) <= _GREATEST_COVARIANCE_MM2,
         COVARIANCE[0],
-        f"{COVARIANCE[0]} to {COVARIANCE[-1]} make the reading worthless: they are in mm2, and "
-        f"{_GREATEST_COVARIANCE_MM2:,.0f} mm2 is the most; correct them, or remove the row",
+        f"{COVARIANCE[0]} to {COVARIANCE[-1]} are too large: they are in mm2, and the limit is "
+        f"{_GREATEST_COVARIANCE_MM2:,.0f} mm2; correct them, or remove the row",
     )
     # Beyond what rounding leaves: a weight is the inverse, and of a matrix that is nearly singular it is a
     # weight that nobody stated.
@@ -227,9 +227,7 @@ def unit_quaternions(table: Table) -> FloatArray:
     quaternion = table.block(QUATERNION)
     length = np.linalg.norm(quaternion, axis=1)
     unit = np.abs(length - 1.0) <= _QUATERNION_TOLERANCE
-    table.require(
-        unit, QUATERNION[0], f"{QUATERNION[0]} to {QUATERNION[-1]} are not a quaternion of length 1"
-    )
+    table.require(unit, QUATERNION[0], f"{QUATERNION[0]} to {QUATERNION[-1]} are not a unit quaternion")
     length[np.abs(length - 1.0) < _ROUNDING] = 1.0
     normalised: FloatArray = quaternion / length[:, None]
     return normalised

@@ -52,7 +52,7 @@ def read_header(file: str, numbered: Iterator[Numbered]) -> Numbered:
     line, header = first[0], [name.strip() for name in first[1]]
     if len(header) > MOST_COLUMNS:
         raise UnreadableFileError(
-            f"{len(header)} columns are more than the {MOST_COLUMNS} that are read", file=file, line=line
+            f"{len(header)} columns exceed the limit of {MOST_COLUMNS}", file=file, line=line
         )
     _check_separator(file, line, header)
     twice = next((name for name, count in Counter(filter(None, header)).items() if count > 1), None)
@@ -71,12 +71,12 @@ def parts(
         # Counted as they come, so that a table which is too long is refused before all of it is in memory.
         if total > most_rows:
             raise UnreadableFileError(
-                f"the file has more than {most_rows:,} rows, the most that is read", file=file
+                f"the file has more than {most_rows:,} rows, which is the limit", file=file
             )
         for line, row in part:
             if len(row) != len(header):
                 raise UnreadableFileError(
-                    f"{len(row)} cells stand where the header has {len(header)} columns", file=file, line=line
+                    f"{len(row)} cells found where the header has {len(header)} columns", file=file, line=line
                 )
         yield part
 

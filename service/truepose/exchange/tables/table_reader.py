@@ -237,7 +237,7 @@ def _check_header(
         absent = [name for name in group if name not in seen]
         if 0 < len(absent) < len(group):
             raise MissingEntryError(
-                f"column {absent[0]} is missing; {group[0]} to {group[-1]} come all or not at all",
+                f"column {absent[0]} is missing; {group[0]} to {group[-1]} must all be given, or none",
                 file=file,
                 line=line,
             )

@@ -113,8 +113,8 @@ async def test_an_upload_sent_twice_with_one_key_is_stored_once(client):
 @pytest.mark.parametrize(
     ("archive", "sentence"),
     [
-        (b"PK no zip at all", "not a whole zip file"),
-        (ARCHIVE[:-30], "not a whole zip file"),
+        (b"PK no zip at all", "not a complete zip file"),
+        (ARCHIVE[:-30], "not a complete zip file"),
         (zipped(readme__txt="hello"), "no campaign.json in the archive"),
         (zipped(campaign__json="{"), "campaign.json"),
         (b"", "the zip of a campaign folder is required"),

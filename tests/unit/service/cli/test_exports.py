@@ -102,5 +102,5 @@ def test_a_notebook_writes_the_same_file(model, tmp_path):
 
 
 def test_a_format_that_is_none_is_refused_with_those_that_are(model, tmp_path):
-    with pytest.raises(tp.TrueposeError, match="'sdf' is no format for a model; there are urdf, ros, dhm"):
+    with pytest.raises(tp.TrueposeError, match="'sdf' is not a model format; the formats are urdf, ros, dhm"):
         tp.export(model, "sdf", tmp_path / "robot.sdf")

@@ -93,9 +93,9 @@ def _points(**changes):
         ({"nest": np.array([1, 2, 1])}, BadValueError, "points, row 1, column nest: '2' must be one of"),
         ({"u_mm": np.array([0.02, 0.0, 0.02])}, BadValueError, "row 1, column u_mm: '0.0' must be greater"),
         ({"config": np.array([1.0, 1.5, 2.0])}, BadValueError, "'1.5' must be a whole number"),
-        ({"config": np.array([1, 2, 2])}, BadValueError, "configuration 2 stands on row 1 with other joints"),
-        ({"qw": np.ones(3)}, MissingEntryError, "points: column qx is missing; qw to qz come all or not"),
-        ({"x_mm": np.array([100.0, 1e9, 120.0])}, BadValueError, "no length that anybody could have read"),
+        ({"config": np.array([1, 2, 2])}, BadValueError, "configuration 2 is on row 1 with other joints"),
+        ({"qw": np.ones(3)}, MissingEntryError, "points: column qx is missing; qw to qz must all be given"),
+        ({"x_mm": np.array([100.0, 1e9, 120.0])}, BadValueError, "not a plausible length"),
         (
             {"u_along_mm": np.full(3, 0.01), "u_across_mm": np.full(3, 0.02)},
             MissingEntryError,

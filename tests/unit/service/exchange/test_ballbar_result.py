@@ -73,7 +73,7 @@ def test_a_text_that_is_no_number_has_no_value(number):
     ("text", "said"),
     [
         ("", "no result of a ballbar test"),
-        ("config,x_mm\n1,2\n", "line 1: is no result"),
+        ("config,x_mm\n1,2\n", "line 1: is not a ballbar test result"),
         (RESULT[:300], "no result of a ballbar test"),
         ("<html><body/></html>", "no result of a ballbar test"),
         (RESULT.replace('encoding="utf-8"', 'encoding="banana"'), "its encoding is not known"),

@@ -53,7 +53,7 @@ def test_a_link_to_a_file_is_one(tmp_path):
 def test_a_file_that_is_too_large_is_refused(tmp_path):
     (tmp_path / "it").write_bytes(b"x" * (2**20 + 1))
 
-    with pytest.raises(UnreadableFileError, match="more than 1 MB, the most that is read"):
+    with pytest.raises(UnreadableFileError, match="more than 1 MB, which is the limit"):
         read_bytes(tmp_path / "it", most=2**20)
 
 

@@ -79,7 +79,7 @@ def test_a_stored_cell_keeps_them():
         (BOX + "radius_mm = 3\n", "give all keys of one"),
         (POST.replace("radius_mm = 40", "radius_mm = 0"), "radius_mm"),
         (POST.replace("to_mm = [300, -400, 900]", "to_mm = [300, -400, 0]"), "ends where it begins"),
-        (WALL.replace("[0, -1, 0]", "[0, 0, 0]"), "points nowhere"),
+        (WALL.replace("[0, -1, 0]", "[0, 0, 0]"), "the vector is zero"),
         (BOX + "[floor]\nz_mm = 3\n", "floor"),
     ],
 )

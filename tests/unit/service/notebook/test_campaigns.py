@@ -148,7 +148,7 @@ def test_readings_against_targets_make_a_campaign_of_contacts():
             {},
             {"robot": "abb-irb-120", "nests_mm": [[0.0, 1.0], None]},
             BadValueError,
-            "campaign, key tool_nests_mm[0]: 2 entries stand where 3 are required.",
+            "campaign, key tool_nests_mm[0]: 2 entries found where 3 are required.",
         ),
         (
             {},

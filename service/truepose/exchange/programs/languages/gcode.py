@@ -86,7 +86,7 @@ class _Block:
             self._state.tool = Frame(f"T{found['number']}")
         elif letter in _AXES:
             if letter in self._axes:
-                self._draft.source.refuse(f"{letter} stands twice in this block", found.start())
+                self._draft.source.refuse(f"{letter} appears twice in this block", found.start())
             self._axes[letter] = self._draft.source.number(*found.span("number"))
 
     def _set(self, code: float) -> None:
@@ -139,7 +139,7 @@ class _Block:
         order = _ORDERS.get(self._draft.angles or "")
         if order is None:
             self._draft.source.fail(
-                f"the file does not say what A, B and C turn about; say it: {', '.join(_ORDERS)}",
+                f"the file does not state the axes of A, B and C; specify them: {', '.join(_ORDERS)}",
                 self._axes["A"].start,
                 MissingEntryError,
             )

@@ -130,7 +130,7 @@ class _Job:
         start, stop = entry.span("values")
         spans = [found.span() for found in _NUMBER.finditer(self._source.text, start, stop)]
         if len(spans) < _N_NUMBERS:
-            self._source.refuse(f"{name} has {_N_NUMBERS} numbers, {len(spans)} stand here", start)
+            self._source.refuse(f"{name} has {_N_NUMBERS} numbers, {len(spans)} found", start)
         numbers = tuple(self._source.number(*span) for span in spans)
         kept = tuple(number.value for number in numbers[_N_NUMBERS:])
         held = numbers[:_N_NUMBERS]

@@ -131,7 +131,7 @@ def _head(begin: str, words: Tokens) -> tuple[Tokens, Tokens]:
 
 def _close(source: Source, end: Token, opened: list[Token]) -> None:
     if not opened:
-        source.fail(f"{end.text} ends what has not begun", end.start)
+        source.fail(f"{end.text} has no matching beginning", end.start)
     begin = opened.pop()
     if _CLOSED_BY[begin.upper] != end.upper:
         _refuse_open(source, begin)
@@ -239,7 +239,7 @@ def _group(source: Source, kind: str, words: Tokens, count: int, at: Token) -> t
 
 
 def _refuse(source: Source, at: Token, what: str, count: int, stand: int) -> None:
-    source.refuse(f"{what.lower()} has {count} parts, {stand} stand here", at.start)
+    source.refuse(f"{what.lower()} has {count} parts, {stand} found", at.start)
 
 
 def _pose_of(source: Source, words: Tokens) -> Pose | None:

@@ -73,7 +73,7 @@ def _entries(source: Source) -> Iterator[_Entry]:
             index = source.shown(*attributes.get("key", (0, 0)))
             yield _Entry(kind, f"{name}[{index}]", piece.start(), attributes)
     if "<Database" not in source.text:
-        source.fail("this is no data of VAL3 from version 7 on: it has no Database", source.start)
+        source.fail("this is not VAL3 data of version 7 or later: it has no Database", source.start)
     if opened > 0:
         source.fail("the Database has no end; the file is cut off", len(source.text.rstrip()))
 

@@ -314,7 +314,7 @@ def test_two_columns_that_a_person_takes_for_the_same_are_refused():
     fault = read_imported_files({"mine.csv": plain()}, choices).understood.fault
 
     assert (fault.file, fault.line) == ("mine.csv", 1)
-    assert "two columns are taken for this one" in fault.sentence
+    assert "two columns are assigned to this one" in fault.sentence
 
 
 @pytest.fixture
@@ -436,7 +436,7 @@ def test_a_formula_or_a_script_in_a_cell_is_no_number(cell):
 
 
 def test_a_change_of_a_joint_that_is_not_there_is_refused_in_a_sentence():
-    with pytest.raises(ConfigurationError, match="take the change back"):
+    with pytest.raises(ConfigurationError, match="undo the change"):
         read_imported_files({"mine.csv": plain()}, replace(ROBOT, changes=(Change("other_way", 8),)))
 
 

@@ -46,7 +46,7 @@ def test_a_table_of_the_format_is_read_to_the_letter():
 
 
 def test_readings_whose_uncertainty_nobody_says_are_refused(tmp_path):
-    with pytest.raises(InputFileError, match=r"points\.csv: no column says how uncertain the readings are"):
+    with pytest.raises(InputFileError, match=r"points\.csv: no column has the uncertainty of the readings"):
         read_validation_file(laid(tmp_path, [HEAD, *ROWS]), 3, NESTS)
 
 

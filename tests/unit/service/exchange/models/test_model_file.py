@@ -223,12 +223,12 @@ def test_a_missing_key_is_named(key):
 @pytest.mark.parametrize(
     ("changes", "key", "sentence"),
     [
-        ({"covariance": [[1.0]]}, "covariance", "1 entries stand where 2"),
+        ({"covariance": [[1.0]]}, "covariance", "1 entries found where 2"),
         ({"covariance": [[1.0, 0.5], [0.4, 1.0]]}, "covariance", "must be symmetric"),
         ({"covariance": [[1.0, 2.0], [2.0, 1.0]]}, "covariance", "correlations beyond 1"),
         ({"covariance": [[-1.0, 0.0], [0.0, 1.0]]}, "covariance", "negative variances"),
-        ({"repeatability_mm": 1e200}, "repeatability_mm", "no length that anybody could have read"),
-        ({"torques_measured": 1}, "torques_measured", "neither true nor false"),
+        ({"repeatability_mm": 1e200}, "repeatability_mm", "not a plausible length"),
+        ({"torques_measured": 1}, "torques_measured", "must be true or false"),
         ({"identified_from": {"rows": [1]}}, "identified_from.rows", "text or a number"),
         (
             {"targets": [{"target": 1, "kind": "banana"}]},

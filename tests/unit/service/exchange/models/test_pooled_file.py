@@ -48,7 +48,7 @@ def _forget(covariance):
     [
         (lambda d: d.update(truepose_fleet=2), NewerVersionError, "a later version"),
         (lambda d: d.pop("covariance"), InputFileError, "covariance"),
-        (lambda d: d["parameters"][0].update(unit="inch"), InputFileError, "'inch' is no unit"),
+        (lambda d: d["parameters"][0].update(unit="inch"), InputFileError, "'inch' is not a unit"),
         (lambda d: d["parameters"][0].update(effect="nothing"), InputFileError, "nothing"),
         (lambda d: d["parameters"][0].update(prior_width=0.0), InputFileError, "prior_width"),
         (lambda d: _forget(d["covariance"]), InputFileError, "known completely"),

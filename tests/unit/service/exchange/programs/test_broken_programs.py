@@ -49,11 +49,11 @@ BROKEN = {
     ),
     "too few numbers": (
         f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', '1,2')};\nENDMODULE\n",
-        "m.mod, line 2, column 21: this part of a robtarget has 3 parts, 2 stand here.",
+        "m.mod, line 2, column 21: this part of a robtarget has 3 parts, 2 found.",
     ),
     "a part that is missing": (
         "MODULE M\nCONST jointtarget p:=[[0,0,0,0,0,0]];\nENDMODULE\n",
-        "m.mod, line 2, column 22: jointtarget has 2 parts, 1 stand here.",
+        "m.mod, line 2, column 22: jointtarget has 2 parts, 1 found.",
     ),
     "an element that is missing": (
         f"MODULE M\nCONST robtarget p{{2}}:=[{TARGET},];\nENDMODULE\n",
@@ -109,12 +109,12 @@ BROKEN = {
     ),
     "G-code that does not say its angles": (
         "G1 X0 Y0 Z0 A0 B0 C0\n",
-        "m.nc, line 1, column 14: the file does not say what A, B and C turn about; say it: "
+        "m.nc, line 1, column 14: the file does not state the axes of A, B and C; specify them: "
         "xyz, zyx, fixed xyz.",
     ),
     "a word that stands twice": (
         "G1 X0 Y0 Z0 X1\n",
-        "m.nc, line 1, column 13: X stands twice in this block.",
+        "m.nc, line 1, column 13: X appears twice in this block.",
     ),
     "a remark that stays open": (
         "G1 X0 (here\n",
@@ -127,7 +127,7 @@ BROKEN = {
     ),
     "a position of a job that is cut off": (
         "/JOB\n//POS\n///POSTYPE ROBOT\n///RECTAN\nC0=1,2,3\n//INST\nEND\n",
-        "m.jbi, line 5, column 4: C0 has 6 numbers, 3 stand here.",
+        "m.jbi, line 5, column 4: C0 has 6 numbers, 3 found.",
     ),
     "VAL3 that is cut off": (
         "<Database>\n<Datas>\n",
@@ -139,7 +139,7 @@ BROKEN = {
     ),
     "VAL3 of another version": (
         "<dataList/>\n",
-        "m.dtx, line 1, column 1: this is no data of VAL3 from version 7 on: it has no Database.",
+        "m.dtx, line 1, column 1: this is not VAL3 data of version 7 or later: it has no Database.",
     ),
     "text for a number": (
         '<Database><Data type="joint"><Value j1="x" j2="0" j3="0" j4="0" j5="0" j6="0"/></Data></Database>',

@@ -110,7 +110,7 @@ def test_the_hash_goes_with_the_numbers_and_is_no_controllers():
 
 def test_an_arm_of_another_structure_is_refused():
     with pytest.raises(
-        ConfigurationError, match="ABB IRB 120 has not the axes of an arm of Universal Robots"
+        ConfigurationError, match="ABB IRB 120 does not have the axes of a Universal Robots arm"
     ):
         export(model_of(IRB_120), "ros")
 
@@ -127,7 +127,10 @@ def test_a_file_is_taken_where_a_robot_is(tmp_path):
         (text_of(PUBLISHED).replace("wrist_2", "wrist_9"), "key kinematics: key wrist_2 is missing"),
         (text_of({**PUBLISHED, "forearm": (float("nan"),) * 6}), "key kinematics.forearm.x: .*not finite"),
         (text_of({**PUBLISHED, "forearm": ("far",) * 6}), "key kinematics.forearm.x: 'far' is not a number"),
-        (text_of({**PUBLISHED, "forearm": (2000,) * 6}), "key kinematics.forearm: 2e\\+06 mm is no length"),
+        (
+            text_of({**PUBLISHED, "forearm": (2000,) * 6}),
+            "key kinematics.forearm: 2e\\+06 mm is not a plausible length",
+        ),
         ("kinematics: [1, 2", "line 1: this is not YAML"),
         ("kinematics: !!python/object/apply:os.system [ls]", "this is not YAML"),
         ("- 1", "an object with keys is required"),

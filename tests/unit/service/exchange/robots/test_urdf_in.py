@@ -138,7 +138,7 @@ MIMIC = '<mimic joint="a"/>'
     [
         (
             robot(joint("a", "b", "c"), joint("d", "x", "c")),
-            "'c' hangs on two joints, 'a' and 'd': a loop",
+            "'c' has two parent joints, 'a' and 'd': a loop",
         ),
         (robot(joint("a", "b", "c"), joint("d", "c", "b")), "the joints go round in a circle"),
         (robot(joint("a", "b", "c"), joint("d", "x", "y"), joint("e", "y", "x")), "'x' hangs in a circle"),
@@ -152,7 +152,7 @@ MIMIC = '<mimic joint="a"/>'
         (robot(joint("a", "b", "c"), joint("d", "c", "e", more=MIMIC)), "joint 'd' follows joint 'a'"),
         (robot(joint("a", "b", "c", "fixed")), "no joint that turns"),
         (robot(joint("a", "b", "c", axis='<axis xyz="0 0 0"/>')), "line 5: the axis has no direction"),
-        (robot(joint("a", "b", "c", origin='xyz="0 0"')), "2 numbers stand under xyz where 3 are required"),
+        (robot(joint("a", "b", "c", origin='xyz="0 0"')), "2 numbers found under xyz where 3 are required"),
         (robot(joint("a", "b", "c", origin='xyz="0 0 nan"')), "'nan' is not a number"),
         (robot(joint("a", "b", "c", origin='rpy="0 0 ${pi}"')), r"\{pi\}' is not a number"),
         (robot(joint("a", "b", "c", origin='xyz="0 0 29000"')), "29000000.0 mm|2.9e\\+07 mm"),
@@ -204,7 +204,7 @@ def test_an_end_that_is_not_there_is_refused_with_those_that_are(ends):
 
 
 def test_a_tip_that_does_not_hang_on_the_base_is_refused():
-    with pytest.raises(InputFileError, match="link 'l1' does not hang on link 'l4'"):
+    with pytest.raises(InputFileError, match="link 'l1' is not a descendant of link 'l4'"):
         read(BENT, base="l4", tip="l1")
 
 

@@ -51,9 +51,9 @@ def test_a_number_that_no_instrument_said_is_refused_where_it_stands(make, file,
 @pytest.mark.parametrize(
     ("column", "cell", "sentence"),
     [
-        ("u_mm", "1001", "'1001' mm is no standard uncertainty that anybody could have"),
+        ("u_mm", "1001", "'1001' mm is not a plausible standard uncertainty"),
         ("u_mm", "1e-200", "smaller than the standard uncertainty of any instrument"),
-        ("config", "1", r"line 4, column config: configuration 1 stands on line 2 with other joints \(q1"),
+        ("config", "1", r"line 4, column config: configuration 1 is on line 2 with other joints \(q1"),
     ],
     ids=["a worthless reading", "a reading too good", "two places of the arm under one number"],
 )
@@ -91,7 +91,7 @@ def test_numbers_of_a_description_keep_to_the_same_limits():
     document["tool_nests_mm"][0] = [0.0, 1e12, 0.0]
     files["campaign.json"] = json.dumps(document).encode()
 
-    with pytest.raises(BadValueError, match=r"tool_nests_mm\[0\]\[1\]: 1e\+12 mm is no length"):
+    with pytest.raises(BadValueError, match=r"tool_nests_mm\[0\]\[1\]: 1e\+12 mm is not a plausible length"):
         campaign_from(files.__getitem__)
 
 
@@ -100,7 +100,7 @@ def test_a_covariance_that_makes_a_reading_worthless_is_refused():
     rows = [f"{row},1e18,0,0,1e18,0,1e18" for row in rows]
     text = "\n".join([f"{header},cxx,cxy,cxz,cyy,cyz,czz", *rows])
 
-    with pytest.raises(BadValueError, match="make the reading worthless"):
+    with pytest.raises(BadValueError, match="are too large: they are in mm2"):
         campaign_from({**files_of(), "calibration.csv": text.encode()}.__getitem__)
 
 
@@ -116,7 +116,7 @@ def test_a_kind_that_there_is_not_is_refused_with_the_known_ones():
     files = files_of()
     files["campaign.json"] = files["campaign.json"].replace(b'"kind": "tracker"', b'"kind": "banana"')
 
-    with pytest.raises(BadValueError, match="'banana' is no kind of campaign; it must be one of tracker"):
+    with pytest.raises(BadValueError, match="'banana' is not a kind of campaign; it must be one of tracker"):
         campaign_from(files.__getitem__)
 
 

@@ -44,7 +44,7 @@ CELLS = {
     "a number beyond all quantities": (
         "y_mm",
         "1e200",
-        "is no length that anybody could have read: 1,000,000 mm is the most; correct it, or remove",
+        "is not a plausible length: the limit is 1,000,000 mm; correct it, or remove",
     ),
     "a cell of two lines": ("q2_deg", '"15\n5"', "is not a number"),
     "an empty cell": ("y_mm", "", "the cell is empty"),
@@ -66,7 +66,11 @@ def test_a_mistake_in_a_cell_is_refused_where_it_is(case):
 
 MORE_COLUMNS = {
     "a direction of 2": ("dir1", (1, 2, 1), "must lie between -1 and 1"),
-    "a quaternion of length 1.1": ("qw,qx,qy,qz", ("1,0,0,0", "1.1,0,0,0", "1,0,0,0"), "not a quaternion"),
+    "a quaternion of length 1.1": (
+        "qw,qx,qy,qz",
+        ("1,0,0,0", "1.1,0,0,0", "1,0,0,0"),
+        "not a unit quaternion",
+    ),
     "a covariance that is none": (
         "cxx,cxy,cxz,cyy,cyz,czz",
         ("1,0,0,1,0,1", "1,2,0,1,0,1", "1,0,0,1,0,1"),
@@ -219,7 +223,14 @@ BALLBAR_REFUSED = {
     "placement 0 of a leg": ("legs", "\n1,2,", "\n0,2,", 3, "placement", "must not be below 1"),
     "the tool in placement 1": ("fixture", "1,base", "1,tool", 3, "kind", "placement 0 is the tool"),
     "a kind of its own": ("fixture", "1,base", "1,table", 3, "kind", "must be tool or base"),
-    "a side of one point": ("fixture", "base,1,3", "base,1,1", 3, "point_b", "joins two different points"),
+    "a side of one point": (
+        "fixture",
+        "base,1,3",
+        "base,1,1",
+        3,
+        "point_b",
+        "must join two different points",
+    ),
     "a cup that is text": ("cups", "1,2,", "1,two,", 2, "base_point", "'two' is not a number"),
     "a set-up without an angle": ("setup", "12.250000000,12", ",12", 2, "q1_deg", "the cell is empty"),
     "an uncertified fixed nest": (
