@@ -71,5 +71,5 @@ def test_what_cannot_be_corrected_is_said_at_the_form(service, chromium):
         with page.expect_request("**/corrections?*") as asked:
             page.get_by_role("button", name="Correct the file").click()
 
-        expect(page.get_by_role("status")).to_contain_text("m.txt: the ending of the name")
+        expect(page.get_by_role("status")).to_contain_text("m.txt: unknown file extension")
         assert asked.value.url.endswith("?branch=back%2Fup%2Fflip")

@@ -173,7 +173,7 @@ SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q
 @pytest.mark.parametrize(
     ("name", "data", "options", "sentence"),
     [
-        ("weld.txt", PROGRAM, {}, "weld.txt: the ending of the name is that of no known program"),
+        ("weld.txt", PROGRAM, {}, "weld.txt: unknown file extension; supported are"),
         ("weld.mod", PROGRAM[:-20], {}, "weld.mod, line 4"),
         ("weld.mod", b"", {}, "weld.mod: the file is empty"),
         ("weld.mod", PROGRAM.decode("latin-1").encode("utf-16"), {}, "weld.mod: the text is UTF-16"),
@@ -187,7 +187,7 @@ SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q
         ),
         ("t.json", SEVEN, {}, "has 7 joints, the model has 6: the program is for another robot"),
         ("weld.ls", b"/PROG A\n/MN\n/POS\n/END\n", {}, "a program for robots of FANUC"),
-        ("p.nc", b"G1 X1 Y2 Z3 A0 B0 C0\n", {}, "does not say what A, B and C turn about"),
+        ("p.nc", b"G1 X1 Y2 Z3 A0 B0 C0\n", {}, "does not state the axes of A, B and C"),
         ("weld.mod", PROGRAM, {"frame": "tool"}, "frame"),
         ("weld.mod", PROGRAM, {"branch": "left"}, "branch left: name one such as front/up/no flip"),
         ("weld.mod", PROGRAM, {"define": "tGun=1,2"}, "define tGun=1,2: give NAME=x,y,z,qw,qx,qy,qz"),

@@ -123,7 +123,7 @@ async def test_what_no_format_can_hold_is_a_problem_in_words(client, model_id):
 
     assert [answer.status_code for answer in (other_arm, zoneless, no_format)] == [409, 409, 422]
     assert "does not know its measured zone" in zoneless.json()["detail"]
-    assert "elbow has not the axes of an arm of Universal Robots" in other_arm.json()["detail"]
+    assert "elbow does not have the axes of a Universal Robots arm" in other_arm.json()["detail"]
     assert (await client.get("/api/v1/models/999/exports/urdf")).status_code == 404
 
 

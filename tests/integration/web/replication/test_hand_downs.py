@@ -162,7 +162,7 @@ async def test_a_model_of_another_robot_or_no_model_is_refused_with_a_sentence(c
 
     assert [answer.status_code for answer in answers] == [409, 409, 409, 404]
     assert "KUKA KR 6; this cell has ABB IRB 120" in answers[0].json()["detail"]
-    assert "What was handed down cannot be read as a model" in answers[1].json()["detail"]
+    assert "The pushed model cannot be read" in answers[1].json()["detail"]
     assert "is a plan, not a model" in answers[2].json()["detail"]
     assert (await client.get("/api/v1/models")).json() == []
 

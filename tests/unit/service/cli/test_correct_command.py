@@ -116,7 +116,7 @@ def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(model
     ("option", "sentence"),
     [
         (("--define", "tGun=1,2"), "give NAME=x,y,z,qw,qx,qy,qz"),
-        (("--define", "tGun=0,0,0,1,1,0,0"), "no quaternion of length 1"),
+        (("--define", "tGun=0,0,0,1,1,0,0"), "not a unit quaternion"),
         (("--branch", "left"), "name one such as front/up/no flip"),
     ],
 )

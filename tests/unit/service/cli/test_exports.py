@@ -69,7 +69,7 @@ def test_a_fitted_table_is_nearer_to_the_model(model, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--as", "ros"), "ABB IRB 120 has not the axes of an arm of Universal Robots"),
+        (("--as", "ros"), "ABB IRB 120 does not have the axes of a Universal Robots arm"),
         (("--as", "urdf", "--out", "nowhere/robot.urdf"), "the folder nowhere does not exist"),
     ],
 )

@@ -237,7 +237,7 @@ def test_indices_that_choose_among_thousands_again_and_again_are_refused(monkeyp
     places = "".join(f"PTS[{k}]={{X 1,Y 2,Z 3,A 0,B 0,C 0}}\n" for k in range(1, 31))
     moves = "LIN PTS[I]\n" * 30
 
-    with pytest.raises(UnreadableFileError, match=r"m.src, line 49, .* more targets than are followed"):
+    with pytest.raises(UnreadableFileError, match=r"m.src, line 49, .* too many targets"):
         read_program(f"DEF M( )\n{places}{moves}END\n".encode(), "m.src")
 
 

@@ -165,7 +165,7 @@ def test_a_text_of_a_whole_book_is_refused():
     ("data", "sentence"),
     [
         (b"q\n" + b"1\n" * (MOST_ROWS + 1), "more than 200,000 rows"),
-        (b",".join(b"c%d" % k for k in range(501)) + b"\n", "501 columns are more than the 500"),
+        (b",".join(b"c%d" % k for k in range(501)) + b"\n", "501 columns exceed the limit of 500"),
         (b"q\n" + b"1" * 10**6, "line 2: the line has more than 65,536 characters"),
     ],
     ids=["rows", "columns", "a line without end"],

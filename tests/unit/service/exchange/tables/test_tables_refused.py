@@ -150,8 +150,8 @@ def test_a_column_in_another_unit_is_refused_with_the_one_that_is_required(case)
 
 
 UNREADABLE = {
-    "a cell too few": (second_row("2,5,15,25,1,110,210,310"), 3, "8 cells stand where"),
-    "a cell too many": (second_row("2,5,15,25,1,110,210,310,0.02,7"), 3, "10 cells stand where"),
+    "a cell too few": (second_row("2,5,15,25,1,110,210,310"), 3, "8 cells found where"),
+    "a cell too many": (second_row("2,5,15,25,1,110,210,310,0.02,7"), 3, "10 cells found where"),
     "an empty file": ("", None, "the file is empty"),
     "a file of a byte order mark": (b"\xef\xbb\xbf", None, "the file is empty"),
     "a header alone": (HEADER + "\n", None, "a header and no rows"),

@@ -80,7 +80,7 @@ def test_a_long_table_comes_in_parts_that_are_numbered_on():
     ("text", "error", "sentence"),
     [
         ("target,x_mm,y_mm,z_mm\na,1,2,3\n", MissingEntryError, "column qw is missing"),
-        (f"{HEADER}\na,1,2,3,2,0,0,0\n", BadValueError, r"line 2, column qw: .*length 1"),
+        (f"{HEADER}\na,1,2,3,2,0,0,0\n", BadValueError, r"line 2, column qw: .*unit quaternion"),
         (f"{HEADER},branch\na,{POSE},left\n", BadValueError, r"line 2, column branch: 'left' must be"),
         (f"{HEADER},nest\na,{POSE},3\n", BadValueError, r"line 2, column nest: .*0, 1, 2"),
         (f"{HEADER},q1_deg\na,{POSE},1\n", MissingEntryError, "q2_deg is missing"),
