@@ -186,7 +186,7 @@ SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q
             "t.csv, line 2, column x_mm: 'here' is not a number",
         ),
         ("t.json", SEVEN, {}, "has 7 joints, the model has 6: the program is for another robot"),
-        ("weld.ls", b"/PROG A\n/MN\n/POS\n/END\n", {}, "a program for robots of FANUC"),
+        ("weld.ls", b"/PROG A\n/MN\n/POS\n/END\n", {}, "a program for FANUC robots"),
         ("p.nc", b"G1 X1 Y2 Z3 A0 B0 C0\n", {}, "does not state the axes of A, B and C"),
         ("weld.mod", PROGRAM, {"frame": "tool"}, "frame"),
         ("weld.mod", PROGRAM, {"branch": "left"}, "branch left: name one such as front/up/no flip"),

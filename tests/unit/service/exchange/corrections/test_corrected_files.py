@@ -79,7 +79,7 @@ def test_more_targets_than_are_taken_are_refused(name, data):
 def test_a_program_of_another_maker_is_refused_and_one_for_a_robot_of_any_name_is_not():
     fanuc = model(replace(IRB_120, name="Fanuc LR Mate 200iC"))
 
-    with pytest.raises(ConfigurationError, match="for robots of ABB, and the model is that of Fanuc"):
+    with pytest.raises(ConfigurationError, match="for ABB robots, but the model is of Fanuc"):
         check_file(fanuc, "a.mod", MODULE, CorrectionRequest())
     assert check_file(fanuc, "a.csv", TABLE, CorrectionRequest()) == 1
     assert check_file(model(replace(IRB_120, name="left arm")), "a.mod", MODULE, CorrectionRequest()) == 1

@@ -32,7 +32,7 @@ def test_a_model_of_this_robot_and_tool_is_one_of_the_cell():
 def test_a_robot_with_another_table_is_another_one():
     joints = (replace(IRB_120.joints[0], d_mm=300.0), *IRB_120.joints[1:])
 
-    with pytest.raises(UnsuitableModelError, match="table of joints is another one"):
+    with pytest.raises(UnsuitableModelError, match="with a different joint table"):
         handed(robot=replace(IRB_120, joints=joints))
     with pytest.raises(UnsuitableModelError, match="this cell has ABB IRB 1200"):
         handed(robot=replace(IRB_120, name="ABB IRB 1200"))

@@ -78,7 +78,7 @@ def test_an_empty_cell_is_left_to_the_format():
         (points("1"), "config,q1_deg,q1_deg\n1,1,2\n", {}, BadValueError, "the column appears twice"),
         (points("1"), "config,q1_deg\n1\n", {}, UnreadableFileError, "line 2: 1 cells found where"),
         (points("1"), "\nq1_deg\n10\n", {}, MissingEntryError, "line 2: column config is required"),
-        (points("1"), JOINTS, {"names": "P*"}, ConfigurationError, "where {config} stands"),
+        (points("1"), JOINTS, {"names": "P*"}, ConfigurationError, "where {config} is in"),
     ],
 )
 def test_what_cannot_be_joined_is_one_sentence(listed, table, options, error, said):

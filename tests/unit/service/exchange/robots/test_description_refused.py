@@ -208,7 +208,7 @@ def test_certified_nests_need_their_uncertainty():
     unknown = nests | {"fixed_nest_u_mm": None}
 
     require_refused(lambda d: d.update(nests), MissingEntryError, None, "fixed_nest_u_mm is missing")
-    require_refused(lambda d: d.update(unknown), BadValueError, "fixed_nest_u_mm", "null is not one")
+    require_refused(lambda d: d.update(unknown), BadValueError, "fixed_nest_u_mm", "cannot be null")
 
 
 @pytest.mark.parametrize("key", REQUIRED)
