@@ -72,10 +72,10 @@ def test_a_text_that_is_no_number_has_no_value(number):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "no result of a ballbar test"),
+        ("", "not a ballbar test result"),
         ("config,x_mm\n1,2\n", "line 1: is not a ballbar test result"),
-        (RESULT[:300], "no result of a ballbar test"),
-        ("<html><body/></html>", "no result of a ballbar test"),
+        (RESULT[:300], "not a ballbar test result"),
+        ("<html><body/></html>", "not a ballbar test result"),
         (RESULT.replace('encoding="utf-8"', 'encoding="banana"'), "its encoding is not known"),
         ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "document type"),
     ],
