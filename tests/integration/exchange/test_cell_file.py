@@ -300,7 +300,8 @@ def test_a_simulated_cell_knows_its_robot_from_the_scenario(scenario, robot):
 
 def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
     with pytest.raises(
-        UnknownRobotError, match=r"begin with irb120\.\.\. or lrmate\.\.\. or ur10\.\.\. or kr6\.\.\."
+        UnknownRobotError,
+        match=r"begin its name with irb120\.\.\. or lrmate\.\.\. or ur10\.\.\. or kr6\.\.\.",
     ):
         simulated_cell("kr10-clean", 0)
 

@@ -80,7 +80,7 @@ def test_a_corrected_line_counts_and_one_left_out_does_not():
         (b"PK\x03\x04rest", "save the sheet as CSV"),
         (b"\xd0\xcf\x11\xe0rest", "save the sheet as CSV"),
         (b"%PDF-1.7", "export the readings"),
-        (b"a,b\0,c\n1,2,3\n", "no text"),
+        (b"a,b\0,c\n1,2,3\n", "not text"),
         (b"a letter\nto somebody\n", "no table of numbers"),
         (b"", "no table of numbers"),
         (b"a,b,c\n" + b"1" * (LONGEST_LINE + 1), "characters"),

@@ -100,7 +100,7 @@ def test_uncertainties_count_where_a_header_names_them():
             "line 1: the line has more than 65,536 characters",
         ),
         (f"P1 1 2 {'3' * 5000}\n", BadValueError, "...' is no coordinate"),
-        ("\0\0P1 1 2 3\n", UnreadableFileError, "no text"),
+        ("\0\0P1 1 2 3\n", UnreadableFileError, "not text"),
     ],
 )
 def test_what_is_no_list_is_refused_with_its_line(text, error, said):

@@ -152,7 +152,9 @@ def test_toml_that_means_nothing_is_refused_in_one_sentence(text):
 
 @pytest.mark.parametrize("read", [Node.text, Node.truth, Node.number])
 def test_a_number_of_thousands_of_digits_is_named_and_not_printed(read):
-    with pytest.raises(BadValueError, match=r"a number of thousands of digits is|the number is not finite"):
+    with pytest.raises(
+        BadValueError, match=r"a number of thousands of digits (is|must)|the number is not finite"
+    ):
         read(toml_document("a.toml", b"a = 0x" + b"f" * 5000).key("a"))
 
 
