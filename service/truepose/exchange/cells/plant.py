@@ -33,7 +33,8 @@ def _read_url(node: Node) -> str:
     parts = _parts(text)
     if parts is None or parts.scheme not in {"http", "https"} or not _is_place(text, parts):
         node.fail(
-            "write the address as http:// or https://, host name and optional port, such as https://cell-3.plant:8443"
+            "write the address as http:// or https://, host name and optional port, such as "
+            "https://cell-3.plant:8443"
         )
     return text
 
