@@ -258,7 +258,7 @@ def test_a_byte_order_mark_is_no_part_of_a_program():
 
 def test_an_unknown_ending_is_refused_with_those_that_are_known():
     with pytest.raises(
-        UnreadableFileError, match=r"supported are tables \(\.csv\), ABB RAPID \(\.mod .*Staubli VAL3 \(\.dtx\)"
+        UnreadableFileError, match=r"are tables \(\.csv\), ABB RAPID \(\.mod .*Staubli VAL3 \(\.dtx\)"
     ):
         read_program(b"x", "m.pdf")
 
