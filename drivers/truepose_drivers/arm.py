@@ -79,6 +79,6 @@ class CountedArm(Arm, ABC):
         if off_deg > ARRIVED_DEG:
             await self.close()
             raise RemoteProtocolError(
-                f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"
-                " look at the pendant for a fault, clear it, then connect again"
+                f"the robot reported the end of its motion but is {off_deg:.3f} deg off its target:"
+                " check the pendant for a fault, clear it, then connect again"
             )

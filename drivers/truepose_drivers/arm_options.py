@@ -125,7 +125,7 @@ class Pace:
         override = math.floor(100.0 * share / percent)
         if override < 1:
             raise DeviceRefusedError(
-                "the robot knows no speed as low as the limits here ask for: allow more speed"
+                "the robot cannot move as slowly as the speed limits require: raise them"
             )
         return percent, min(override_percent, override)
 
@@ -153,13 +153,13 @@ def _turned(steps: Sequence[float]) -> float:
 _JOINTS = 6
 
 COUNTING_OPTIONS: Final = {
-    "joint_3_from": 'what the controller counts joint 3 from: "horizontal" (FANUC\'s own) or "upper arm"',
-    "signs": "-1 for each joint that the robot file counts the other way round, 1 1 -1 -1 -1 -1 if left out",
+    "joint_3_from": 'reference of joint 3 in the controller: "horizontal" (FANUC\'s own) or "upper arm"',
+    "signs": "-1 for each joint with the opposite sign in the robot file, default 1 1 -1 -1 -1 -1",
 }
 PACE_OPTIONS: Final = {
-    "joint_speeds_deg_s": "greatest speeds of the six joints, those of the LR Mate 200iC if left out",
-    "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
-    "tool_reach_mm": "farthest that the tool can be from the axes of the wrist, 400 if left out",
+    "joint_speeds_deg_s": "maximum speeds of the six joints; default: those of the LR Mate 200iC",
+    "reach_mm": "largest distance of the tool from any joint axis, default 1000",
+    "tool_reach_mm": "largest distance of the tool from the wrist axes, default 400",
 }
 
 

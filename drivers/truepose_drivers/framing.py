@@ -79,9 +79,9 @@ def decode_object(line: bytes) -> dict[str, object]:
         document = json.loads(line, object_pairs_hook=_each_key_once)
     # A line of opening brackets ends the parser by its depth, not by its form.
     except (ValueError, RecursionError) as error:
-        raise JsonLineError(f"{line[:80]!r} is no JSON: {error}") from error
+        raise JsonLineError(f"{line[:80]!r} is not JSON: {error}") from error
     if not isinstance(document, dict):
-        raise JsonLineError(f"{line[:80]!r} is no JSON object")
+        raise JsonLineError(f"{line[:80]!r} is not JSON object")
     return document
 
 

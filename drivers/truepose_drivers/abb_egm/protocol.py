@@ -113,7 +113,7 @@ def _is_later(number: int, before: int) -> bool:
 
 def _six(joints_deg: tuple[float, ...]) -> tuple[float, ...]:
     if len(joints_deg) != JOINTS or any(abs(angle) > _FURTHEST_DEG for angle in joints_deg):
-        raise EgmProtocolError(f"the robot states joints at {joints_deg} deg")
+        raise EgmProtocolError(f"the robot reports joints at {joints_deg} deg")
     return joints_deg
 
 
@@ -125,7 +125,7 @@ def _joints(part: bytes) -> tuple[float, ...]:
             raise EgmProtocolError("an angle is no double")
         angles += struct.unpack(f"<{len(value) // 8}d", value)  # one, or packed
     if not all(map(math.isfinite, angles)):
-        raise EgmProtocolError(f"the robot states {angles} deg")
+        raise EgmProtocolError(f"the robot reports {angles} deg")
     return tuple(angles)
 
 
@@ -172,9 +172,9 @@ def _fields(data: bytes) -> Iterator[tuple[int, Value]]:
         if key & 7 == _BYTES:
             length, at = _varint(data, at)
         elif not length:
-            raise EgmProtocolError(f"{key & 7} is no type of a field")
+            raise EgmProtocolError(f"{key & 7} is not a field type")
         if at + length > len(data):
-            raise EgmProtocolError("a field ends behind its message")
+            raise EgmProtocolError("a field extends beyond the end of its message")
         yield key >> 3, data[at : at + length]
         at += length
 

@@ -14,7 +14,7 @@ from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import OnePortDevice, Source, drain, introduction
 from truepose_drivers.transports.udp import UdpPort
 
-EGM_OPTION: Final = f"UDP port at which joints arrive by EGM, often {EGM_PORT}; without it they are asked for"
+EGM_OPTION: Final = f"UDP port that receives joint angles by EGM, often {EGM_PORT}; without it they are polled"
 _FRESH_WITHIN_S: Final = 0.5  # wall time; a controller sends every 4 ms, or a few multiples of it
 # Doubles, of a standing arm that its servos hold.
 _STANDING_RAD: Final = 1e-6
@@ -52,7 +52,7 @@ class EgmReader(OnePortDevice):
                 async with asyncio.timeout(_FRESH_WITHIN_S):
                     return await self._newer()
             raise NoReplyError(
-                f"nothing new arrives at {self._source.address}: check the network, the computer's address at"
+                f"no new data arrives at {self._source.address}: check the network, the computer's address at"
                 " the controller's UDPUC device, and that TruePoseEgm.mod runs, then connect again"
             )
 
@@ -89,11 +89,11 @@ class EgmReader(OnePortDevice):
         frame = await self.next_frame()
         if frame.motors is Motors.OFF:
             raise NotInitialisedError(
-                "the robot cannot move: its motors are off; look at the cell, switch them on, then confirm"
+                "the robot cannot move: its motors are off; check the cell, switch them on, then confirm"
             )
         if frame.rapid is Rapid.STOPPED:
             raise NotInitialisedError(
-                "the robot cannot move: its program stands; start it on the pendant, then confirm"
+                "the robot cannot move: its program is stopped; start it on the pendant, then confirm"
             )
 
 

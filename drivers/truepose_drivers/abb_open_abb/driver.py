@@ -59,7 +59,7 @@ _UPRIGHT = ("1", "0", "0", "0")  # quaternion of no turn
 _SPEED_ROUNDING = 0.06  # mm/s and deg/s: sent with one decimal and two
 
 _LOOK_AT_PENDANT = (
-    "look at the pendant for a stopped program, a joint out of range, an emergency stop or motors off,"
+    "check the pendant for a stopped program, a joint out of range, an emergency stop or motors off,"
     " clear it, restart the program, then connect again"
 )
 
@@ -116,7 +116,7 @@ class OpenAbbRobot(Arm):
             self._open_and_meet,
             within_s=self._time_outs.connect_s,
             every_s=self._time_outs.retry_s,
-            advice="also look whether the server program runs on the pendant",
+            advice="also check on the pendant that the server program runs",
         )
 
     async def _open_and_meet(self) -> None:
@@ -183,7 +183,7 @@ class OpenAbbRobot(Arm):
         if not all(abs(has - should) <= _SPEED_ROUNDING for has, should in zip(stated, told, strict=True)):
             await self._link.close()
             raise DeviceRefusedError(
-                f"the robot was told {told[0]:g} mm/s and {told[1]:g} deg/s and states {stated[0]:g} mm/s "
+                f"the robot was set to {told[0]:g} mm/s and {told[1]:g} deg/s and states {stated[0]:g} mm/s "
                 f"and {stated[1]:g} deg/s: look at the program on the pendant, then connect again"
             )
 
@@ -218,7 +218,7 @@ class OpenAbbRobot(Arm):
             await log.close()
 
     async def _moved(self, request: bytes, target_rad: tuple[float, ...]) -> None:
-        unheard = f", as it does after {protocol.SILENCE_S:g} s in which it heard nothing"
+        unheard = f", as it does after {protocol.SILENCE_S:g} s without a message"
         try:
             with motion_awaited(_LOOK_AT_PENDANT, unheard if self._watching else ""):
                 await self._ask(request, protocol.Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
@@ -247,7 +247,7 @@ class OpenAbbRobot(Arm):
         if not ends or protocol.joint_decimals(again) > self._finest_decimals:
             await self._link.close()
             raise protocol.OpenAbbProtocolError(
-                f"the robot stated {reply.text!r}, then {again.text!r}: digits were lost or came twice;"
+                f"the robot reported {reply.text!r}, then {again.text!r}: digits were lost or duplicated;"
                 " connect again"
             )
         return again
@@ -280,10 +280,10 @@ class OpenAbbRobot(Arm):
             behind = await self._link.receive(0.0)
             if behind is not None and behind.strip():
                 raise protocol.OpenAbbProtocolError(
-                    f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
+                    f"the robot sent more data than requested ({behind[:40]!r}): connect again"
                 )
         if reply.status != protocol.ReplyStatus.OK:
-            raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
+            raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as malformed")
         return reply
 
     async def _receive_reply(
@@ -308,7 +308,7 @@ class OpenAbbRobot(Arm):
                 continue
             if more is None:
                 raise NoReplyError(
-                    f"the robot at {self._link.address} is connected and says nothing: {_LOOK_AT_PENDANT}"
+                    f"the robot at {self._link.address} is connected but does not respond: {_LOOK_AT_PENDANT}"
                 )
             data += more
         return data
@@ -321,7 +321,7 @@ class OpenAbbRobot(Arm):
             more = await self._link.receive(max(0.0, deadline_s - now_s()))
             if more is None or len(data) > protocol.LONGEST_MESSAGE_CHARS:
                 raise NoReplyError(
-                    f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"
+                    f"the robot at {self._link.address} did not complete its reply: {_LOOK_AT_PENDANT}"
                 )
             data += more
         return rest
@@ -335,7 +335,7 @@ def _require_text(reply: protocol.Reply, words: int) -> None:
         protocol.joint_angles_deg(reply, words)
     elif words == 0 and reply.text:
         raise protocol.OpenAbbProtocolError(
-            f"the robot's reply to request {reply.code} goes on with {reply.text[:40]!r}: connect again"
+            f"the robot's reply to request {reply.code} continues with {reply.text[:40]!r}: connect again"
         )
 
 
@@ -360,11 +360,11 @@ def _open(options: Options, clock: Clock) -> FullRobot:
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
-    "port": f"TCP port of the motion server, {protocol.MOTION_PORT} unless changed",
-    "tool_mm": 'point at which speeds hold, on the axes of the flange: "0 0 125"; the flange unless given',
-    "log_port": f"TCP port of the logger, often {protocol.LOGGER_PORT}, to see whether the arm moves;"
-    " else none",
-    "rws_port": "TCP port of Robot Web Services, often 80, to watch state and joints by; else none",
+    "port": f"TCP port of the motion server, default {protocol.MOTION_PORT}",
+    "tool_mm": 'point to which speed limits apply, in flange coordinates: "0 0 125"; default: the flange',
+    "log_port": f"TCP port of the logger, often {protocol.LOGGER_PORT}, to monitor the motion; not used"
+    " by default",
+    "rws_port": "TCP port of Robot Web Services, often 80, to monitor state and joints; not used by default",
     **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,
 }

@@ -151,7 +151,7 @@ def decode_request(data: bytes) -> Request:
     if len(numbers) - 1 > MOST_PARAMETERS:
         raise OpenAbbProtocolError(f"{text!r} has more than {MOST_PARAMETERS} values")
     if not numbers[0].is_integer():
-        raise OpenAbbProtocolError(f"{numbers[0]} is no code: codes are whole numbers")
+        raise OpenAbbProtocolError(f"{numbers[0]} is not a request code: codes are whole numbers")
     return Request(int(numbers[0]), tuple(numbers[1:]))
 
 
@@ -172,7 +172,7 @@ def decode_reply(data: bytes) -> Reply:
     words = text.rstrip("\r\n").split(" ", 2)
     too_long = len(text) > 2 * LONGEST_MESSAGE_CHARS  # of a whole one, and what lagged behind it
     if too_long or len(words) < 2 or not _is_count(words[0]) or words[1] not in _STATUSES:
-        raise OpenAbbProtocolError(f"{text[:80]!r} is no reply of open_abb: code and status were expected")
+        raise OpenAbbProtocolError(f"{text[:80]!r} is not an open_abb reply: expected code and status")
     return Reply(int(words[0]), int(words[1]), words[2].strip() if len(words) == 3 else "")
 
 
@@ -236,7 +236,7 @@ def reply_numbers(reply: Reply, count: int) -> tuple[float, ...]:
     words = reply.text.split()
     if len(words) != count:
         raise OpenAbbProtocolError(
-            f"the reply to {reply.code} is {reply.text!r}; {count} numbers were expected"
+            f"the reply to {reply.code} is {reply.text!r}; expected {count} numbers"
         )
     return tuple(_number(word) for word in words)
 
@@ -267,7 +267,7 @@ class LogReader(StreamReader):
         start = self._buffer.find(b"#")
         end = self._buffer.find(b"#", start + 1)
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_RECORD:
-            raise OpenAbbProtocolError(f"{bytes(self._buffer[:80])!r} is no record of the logger")
+            raise OpenAbbProtocolError(f"{bytes(self._buffer[:80])!r} is not a logger record")
         if start < 0 or end < 0:
             return None
         record = self._buffer[start + 1 : end].decode("ascii", errors="replace")
@@ -279,7 +279,7 @@ def _log_line(record: str) -> LogLine:
     words = record.split()
     expected = {"0": 11, "1": 10}.get(words[0] if words else "")
     if len(words) != expected:
-        raise OpenAbbProtocolError(f"{record[:120]!r} is no record of the logger")
+        raise OpenAbbProtocolError(f"{record[:120]!r} is not a logger record")
     return LogLine(int(words[0]), words[1], words[2], _number(words[3]), tuple(map(_number, words[4:])))
 
 

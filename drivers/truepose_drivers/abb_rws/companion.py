@@ -15,8 +15,8 @@ from truepose_drivers.transports.tcp import tcp_link
 _LOWEST_PERCENT = 1.0  # at 0 nothing moves, and no motion has a duration
 
 LOGIN_OPTIONS = {
-    "user": f'user of the controller\'s web services, "{protocol.USER}" unless changed',
-    "password": "password of that user, that of a new controller unless changed",
+    "user": f'user of the controller\'s web services, default "{protocol.USER}"',
+    "password": "password of that user, default: the factory password",
 }
 
 
@@ -47,7 +47,7 @@ class RwsCompanion(OnePortDevice):
             raise NotInitialisedError(f"the robot cannot move: {now.halt}; then confirm")
         if now.execution is Execution.STOPPED:
             raise NotInitialisedError(
-                "the robot cannot move: its program stands; start it on the pendant, then confirm"
+                "the robot cannot move: its program is stopped; start it on the pendant, then confirm"
             )
 
     @property

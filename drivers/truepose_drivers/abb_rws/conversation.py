@@ -98,7 +98,7 @@ class RwsSession(OverPort):
                 f"the robot does not let user {self._login.user!r} in: check the options user and password"
             )
         if not 200 <= response.status < 300:
-            more = ": it has too many clients, end some" if response.status == _BUSY else ""
+            more = ": too many clients are connected, close some" if response.status == _BUSY else ""
             raise DeviceRefusedError(f"the robot refused {asked} ({error_sentence(response)}){more}")
 
     async def _answer(self, method: str, target: str, body: bytes) -> http.HttpResponse:
@@ -107,12 +107,12 @@ class RwsSession(OverPort):
         await self._conversation.drain()
         question = self._question(method, target, body)
         silence = (
-            f"the robot at {self._conversation.address} is connected and says nothing: check the network"
+            f"the robot at {self._conversation.address} is connected but does not respond: check the network"
         )
         await self._conversation.send(question, timeout_s=_REPLY_S, silence=silence)
         response = await self._conversation.next()
         if not await self._conversation.is_quiet():
-            raise http.RwsProtocolError("the robot answered more than was asked: connect again")
+            raise http.RwsProtocolError("the robot sent more data than requested: connect again")
         self._requests += 1
         self._ends = response.ends_connection
         # A controller has 70 sessions at most; without its cookies every question would begin another one.
@@ -122,7 +122,7 @@ class RwsSession(OverPort):
     async def _connect_anew_where_it_ends(self) -> None:
         if not self._conversation.is_open:
             raise ConnectionLostError(
-                f"there is no connection to {self._conversation.address}: connect first"
+                f"not connected to {self._conversation.address}: connect first"
             )
         # Between two exchanges, never within one. The session lasts beyond its connection, in its cookies.
         if self._ends or self._requests >= _MOST_REQUESTS:

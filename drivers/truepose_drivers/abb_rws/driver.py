@@ -125,7 +125,7 @@ def _open(options: Options, clock: Clock) -> FullRobot:
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
-    "port": f"TCP port of its web services, {protocol.PORT} unless changed",
+    "port": f"TCP port of its web services, default {protocol.PORT}",
     **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,
 }

@@ -54,7 +54,7 @@ def decode_challenge(header: str | None) -> Challenge:
     said = (header or "").isascii() and (header or "").isprintable()
     known = said and scheme.lower() == "digest" and told.get("algorithm", "MD5").upper() == "MD5"
     if not (known and "nonce" in told and {"", _QOP} & set(offered)):
-        raise RwsProtocolError(f"{(header or '')[:80]!r} asks for another way in than Digest with MD5")
+        raise RwsProtocolError(f"{(header or '')[:80]!r} does not offer Digest authentication with MD5")
     return Challenge(told.get("realm", ""), told["nonce"], _QOP if _QOP in offered else "")
 
 
@@ -239,7 +239,7 @@ class _MessageReader(Generic[Message]):
                     return self._end(self._wire.trailing_data[0])
                 self._take(event)
         except h11.RemoteProtocolError as error:
-            raise RwsProtocolError(f"what arrived is no HTTP ({error}): is this the right port?") from error
+            raise RwsProtocolError(f"the reply is not HTTP ({error}): is this the right port?") from error
         return None
 
     def _take(self, event: object) -> None:
@@ -253,7 +253,7 @@ class _MessageReader(Generic[Message]):
     def _end(self, behind: bytes) -> Message:
         head, body = self._head, self._body
         if head is None:  # h11 ends nothing that has not begun
-            raise RwsProtocolError("a message ended that had not begun: connect again")
+            raise RwsProtocolError("a message ended before it began: connect again")
         self._begin(behind)
         return self._whole(head, body)
 

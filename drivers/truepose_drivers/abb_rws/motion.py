@@ -100,7 +100,7 @@ class RapidProgram:
         state = await self._session.get(protocol.CONTROLLER_STATE, protocol.controller_state)
         if runs is protocol.Execution.STOPPED or state is not protocol.ControllerState.MOTORS_ON:
             raise NotInitialisedError(
-                f"the robot was stopped before it set off ({state.value}): look at the pendant, then confirm"
+                f"the robot was stopped before it started to move ({state.value}): check the pendant, then confirm"
             )
 
     async def _require_ours(self) -> None:
@@ -110,7 +110,7 @@ class RapidProgram:
             name = ""
         if name != protocol.SERVER:
             raise NotInitialisedError(
-                "the robot's program is not ours: load TruePoseRws.mod into task T_ROB1 from the pendant,"
+                "the robot is not running the program of truepose: load TruePoseRws.mod into task T_ROB1 from the pendant,"
                 " then confirm"
             )
 
@@ -118,7 +118,7 @@ class RapidProgram:
         """Write an order and see that the program has understood it; nothing moves before the first beat."""
         before = await self._report()
         if before.progress in {protocol.Progress.TAKEN, protocol.Progress.MOVING}:
-            raise BusyError("the robot is still under way: wait until it rests, then confirm")
+            raise BusyError("the robot is still moving: wait until it stops, then confirm")
         order = replace(order, number=before.next_number)
         await self._set(protocol.ORDER, order.encode())
         self._require_understood(order, await self._taken(order))
@@ -129,7 +129,7 @@ class RapidProgram:
         while int((report := await self._report()).order[0]) != order.number:
             if now_s() > give_up_s:
                 raise NotInitialisedError(
-                    "the robot's program takes no order: look at the pendant why it stands, then confirm"
+                    "the robot's program does not accept commands: check on the pendant why it stopped, then confirm"
                 )
             await asyncio.sleep(_BETWEEN_REPORTS_S)
         return report
@@ -139,7 +139,7 @@ class RapidProgram:
             raise _refused(order, "")
         if not report.is_about(order):
             raise DeviceRefusedError(
-                f"the robot was ordered {order.values()} and understood {report.order}: look for another"
+                f"the robot was sent {order.values()} and understood {report.order}: check for another"
                 " program that writes its variables, then connect again"
             )
 
@@ -167,7 +167,7 @@ class RapidProgram:
             return _ObservedMotion(course.start_deg, here_deg, now_s())
         if now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
-                f"the robot has not moved for {self._patience.stands_s:g} s and has not arrived: look at the"
+                f"the robot has not moved for {self._patience.stands_s:g} s and has not reached its target: check the"
                 " pendant, then connect again"
             )
         return course
@@ -176,12 +176,12 @@ class RapidProgram:
         """Say why the program stopped under way."""
         now = await read_panel(self._session)
         if now.obstacle is not None:
-            raise NotInitialisedError(f"the robot stopped on its way: {now.obstacle}; then confirm")
+            raise NotInitialisedError(f"the robot stopped during the motion: {now.obstacle}; then confirm")
         said = await self._session.get(f"{protocol.EVENT_LOG}?lang=en", protocol.last_event)
         if farthest_off(await self.joints_deg(), course.start_deg) <= _SAME_PLACE_DEG:
             raise _refused(order, said)
         raise NotInitialisedError(
-            f"the robot's program stopped on its way{_quoted(said)}: look at the pendant, then confirm"
+            f"the robot's program stopped during the motion{_quoted(said)}: check the pendant, then confirm"
         )
 
     async def _report(self) -> protocol.Report:
@@ -205,7 +205,7 @@ class _ObservedMotion:
 def _has_arrived(report: protocol.Report, order: protocol.Order) -> bool:
     if int(report.order[0]) != order.number:
         raise DeviceRefusedError(
-            "somebody else gave the robot an order: see that one program alone moves it, then connect again"
+            "another client commanded the robot: make sure that only one program moves it, then connect again"
         )
     if report.progress is protocol.Progress.GIVEN_UP:
         raise stopped_unheard(protocol.SILENCE_S)
@@ -213,7 +213,7 @@ def _has_arrived(report: protocol.Report, order: protocol.Order) -> bool:
 
 
 def _refused(order: protocol.Order, said: str) -> TargetRefusedError:
-    return target_refused(order.target_deg, f"{_quoted(said)}: look at the pendant")
+    return target_refused(order.target_deg, f"{_quoted(said)}: check the pendant")
 
 
 def _quoted(said: str) -> str:

@@ -27,7 +27,7 @@ def number(text: object) -> float:
     """Read a number; raises RwsProtocolError."""
     value = float(text) if isinstance(text, str) and _NUMBER.fullmatch(text.strip()) else math.nan
     if not abs(value) <= _LARGEST:  # a NaN is not
-        raise RwsProtocolError(f"{str(text)[:40]!r} is no number of RAPID: connect again")
+        raise RwsProtocolError(f"{str(text)[:40]!r} is not a RAPID number: connect again")
     return value
 
 
@@ -36,7 +36,7 @@ def numbers(text: object, count: int) -> tuple[float, ...]:
     stripped = text.strip() if isinstance(text, str) else ""
     words = stripped[1:-1].split(",")
     if not (stripped.startswith("[") and stripped.endswith("]") and len(words) == count):
-        raise RwsProtocolError(f"{str(text)[:80]!r} is no array of {count} numbers: connect again")
+        raise RwsProtocolError(f"{str(text)[:80]!r} is not an array of {count} numbers: connect again")
     return tuple(map(number, words))
 
 
@@ -88,7 +88,7 @@ def states(response: HttpResponse) -> list[State]:
     """Return the states in a response; raises RwsProtocolError."""
     found = _embedded(response).get("_state")
     if not isinstance(found, list) or not all(isinstance(state, dict) for state in found):
-        raise RwsProtocolError(f"{response.body[:80]!r} tells no state: connect again")
+        raise RwsProtocolError(f"{response.body[:80]!r} contains no state: connect again")
     return found
 
 
@@ -96,7 +96,7 @@ def state(response: HttpResponse, kind: str) -> State:
     """Return the one state of a kind; raises RwsProtocolError."""
     told = next(iter(states(response)), {})
     if told.get("_type") != kind:
-        raise RwsProtocolError(f"the robot tells of {told.get('_type')!r}, not of {kind!r}: connect again")
+        raise RwsProtocolError(f"the robot reported {told.get('_type')!r}, not {kind!r}: connect again")
     return told
 
 
@@ -104,7 +104,7 @@ def text(told: State, name: str) -> str:
     """Return a text of a state; raises RwsProtocolError where it is missing."""
     value = told.get(name)
     if not isinstance(value, str):
-        raise RwsProtocolError(f"the robot does not state {name!r}: connect again")
+        raise RwsProtocolError(f"the robot does not report {name!r}: connect again")
     return value
 
 
@@ -166,10 +166,10 @@ def _embedded(response: HttpResponse) -> Mapping[str, object]:
     try:
         document = json.loads(response.body)
     except (ValueError, RecursionError) as error:
-        raise RwsProtocolError(f"{response.body[:80]!r} is no JSON: connect again") from error
+        raise RwsProtocolError(f"{response.body[:80]!r} is not JSON: connect again") from error
     embedded = document.get("_embedded") if isinstance(document, dict) else None
     if not isinstance(embedded, dict):
-        raise RwsProtocolError(f"{response.body[:80]!r} is none of Robot Web Services: connect again")
+        raise RwsProtocolError(f"{response.body[:80]!r} is not a reply of Robot Web Services: connect again")
     return embedded
 
 
@@ -235,11 +235,11 @@ class Panel:
 
 _WHY: Final = {
     ControllerState.INIT: "it is starting: wait until the pendant shows that it is ready",
-    ControllerState.MOTORS_OFF: "its motors are off: look at the cell, then switch them on at the controller",
+    ControllerState.MOTORS_OFF: "its motors are off: check the cell, then switch them on at the controller",
     ControllerState.GUARD_STOP: "a guard stopped it: close the guard, then switch the motors on",
-    ControllerState.EMERGENCY_STOP: "an emergency stop holds it: look at the cell, then release the stop",
+    ControllerState.EMERGENCY_STOP: "an emergency stop is active: check the cell, then release the stop",
     ControllerState.EMERGENCY_STOP_RESET: "an emergency stop was released: switch the motors on",
-    ControllerState.SYSTEM_FAILURE: "it has failed: look at the event log on the pendant",
+    ControllerState.SYSTEM_FAILURE: "it has failed: check the event log on the pendant",
 }
 
 
@@ -262,7 +262,7 @@ def speed_percent(response: HttpResponse) -> float:
     """Read the speed override; raises RwsProtocolError."""
     percent = number(state(response, "pnl-speedratio").get("speedratio"))
     if not 0.0 <= percent <= FULL_PERCENT:
-        raise RwsProtocolError(f"the robot states a speed override of {percent:g} %: connect again")
+        raise RwsProtocolError(f"the robot reports a speed override of {percent:g} %: connect again")
     return percent
 
 
@@ -270,7 +270,7 @@ def _one_of(kind: type[Known], word: str) -> Known:
     try:
         return kind(word)
     except ValueError as error:
-        raise RwsProtocolError(f"the robot states {word[:40]!r}, which is no {kind.__name__}") from error
+        raise RwsProtocolError(f"the robot reports {word[:40]!r}, which is no {kind.__name__}") from error
 
 
 SERVER: Final = '"truepose rws 1"'  # value of the variable NAME, where our program is loaded

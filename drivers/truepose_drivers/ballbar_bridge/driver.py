@@ -85,7 +85,7 @@ class BridgedBallbar(OnePortDevice):
         self._require_new(message.sequence)
         if abs(message.deviation_mm) > self._hello.range_mm:  # a NaN is not
             raise BridgeProtocolError(
-                f"deviation_mm is {message.deviation_mm:g}, and the bridge stated a range_mm of"
+                f"deviation_mm is {message.deviation_mm:g}, but the bridge announced a range_mm of"
                 f" {self._hello.range_mm:g}: are these millimetres?"
             )
         return message
@@ -97,7 +97,7 @@ class BridgedBallbar(OnePortDevice):
         if self._last is not None and sequence <= self._last:
             raise BridgeProtocolError(
                 f"the ballbar bridge at {self._lines.address} sends value {sequence} after {self._last}:"
-                " it repeats itself; start it again"
+                " it repeats itself; restart it"
             )
         self._last = sequence
 
@@ -108,6 +108,6 @@ def _open(options: Options, clock: Clock) -> BridgedBallbar:
 
 _OPTIONS = {
     "host": "address of the computer on which the bridge runs",
-    "port": f"TCP port of the bridge, {PORT} unless changed",
+    "port": f"TCP port of the bridge, default {PORT}",
 }
 PLUGIN = DriverPlugin("ballbar_bridge", "ballbar", "ballbar_bridge", _OPTIONS, _open, also=("linear_gauge",))

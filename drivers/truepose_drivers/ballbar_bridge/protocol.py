@@ -91,9 +91,9 @@ def _reading(document: dict[str, object]) -> BridgeReading:
         raise BridgeProtocolError(f"signal is {signal} and deviation_mm is null: a signal has a value")
     temperature, sequence = document.get("temperature_c"), document.get("sequence")
     if sequence is not None and (isinstance(sequence, bool) or not isinstance(sequence, int)):
-        raise BridgeProtocolError(f"sequence is {sequence!r}; a whole number was expected")
+        raise BridgeProtocolError(f"sequence is {sequence!r}; expected a whole number")
     if sequence is not None and abs(sequence) > _HIGHEST_SEQUENCE:
-        raise BridgeProtocolError(f"sequence is {sequence:.3g}; a count of values was expected")
+        raise BridgeProtocolError(f"sequence is {sequence:.3g}; expected a count of values")
     return BridgeReading(
         # A number that comes without a signal is no measurement, whatever it is.
         math.nan if signal == "none" else deviation_mm,
@@ -117,12 +117,12 @@ def _hello(document: dict[str, object]) -> Hello:
 def _text(document: dict[str, object], key: str) -> str:
     value = document.get(key, "")
     if not isinstance(value, str):
-        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; a text was expected")
+        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; expected a text")
     return value
 
 
 def _number(value: object, key: str) -> float:
     number = finite_number(value)
     if number is None:
-        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; a number was expected")
+        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; expected a number")
     return number

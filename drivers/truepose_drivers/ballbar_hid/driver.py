@@ -90,7 +90,7 @@ class HidBallbar(OnePortDevice):
         self._last = reading.sequence
         if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
             raise protocol.HidBallbarError(
-                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and says that it is"
+                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and reports a deviation of"
                 f" {reading.deviation_mm:g} mm off: check its cable"
             )
         return reading
@@ -115,6 +115,6 @@ def _open(options: Options, clock: Clock) -> HidBallbar:
 _OPTIONS = {
     "usb": "vendor:product[:serial number] of a device here, or usbip://host[:port]/busid",
     "host": "instead of usb: address of a USB/IP server whose only device it is",
-    "port": "TCP port of the USB/IP server, 3240 unless changed",
+    "port": "TCP port of the USB/IP server, default 3240",
 }
 PLUGIN = DriverPlugin("ballbar_hid", "ballbar", "hid", _OPTIONS, _open)

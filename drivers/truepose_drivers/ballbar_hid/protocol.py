@@ -264,7 +264,7 @@ def decode_bar(report: bytes) -> BarIdentity:
     if counts <= 0:
         raise HidBallbarError(
             f"report {report[: _BAR.size].hex()} states a bar of {counts / COUNTS_PER_MM:g} mm:"
-            " its nominal length belongs there"
+            " expected its nominal length"
         )
     return BarIdentity(counts / COUNTS_PER_MM, serial.rstrip(b"\0 ").decode("ascii", "replace"))
 

@@ -136,7 +136,7 @@ class Wire:
         """Connect, dropping what was open before; raises ConnectFailedError."""
         await self.close()
         if self._wiring.unreachable:
-            raise ConnectFailedError("nobody answers at the bench: check power, cable and address")
+            raise ConnectFailedError("no response from the bench: check power, cable and address")
         self._wiring.open_lines.append(self)
         self._arriving.clear()
         if not self._remembers:
@@ -218,4 +218,4 @@ class Wire:
 
     def _require_open(self) -> None:
         if not self.is_open:
-            raise ConnectionLostError("there is no connection to the bench: connect first")
+            raise ConnectionLostError("not connected to the bench: connect first")

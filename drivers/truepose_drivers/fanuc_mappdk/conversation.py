@@ -49,7 +49,7 @@ class Dialogue(Turns):
             behind = await self._link.receive(0.0) if self._link.is_open else None
             if behind is not None and behind.strip():
                 raise protocol.MappdkProtocolError(
-                    f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
+                    f"the robot sent more data than requested ({behind[:40]!r}): connect again"
                 )
             return reply
 
@@ -76,5 +76,5 @@ class Dialogue(Turns):
             elif beats and left_s > protocol.BEAT_S:
                 await self._link.send(protocol.BEAT)
             else:
-                raise NoReplyError(f"the robot at {self.address} is connected and says nothing")
+                raise NoReplyError(f"the robot at {self.address} is connected but does not respond")
         return data

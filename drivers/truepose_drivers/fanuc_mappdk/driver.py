@@ -40,7 +40,7 @@ _SHORTEST_MOTION_S = 0.1
 _STILL_DEG = 0.002  # stock servers tell thousandths
 _LONGER_BY_OVERRIDE = 20.0  # of a motion while the speed override on the pendant stands at 5 %
 _LOOK_AT_PENDANT = (
-    "look at the pendant for a fault, clear it, start the server program again, then connect again"
+    "check the pendant for a fault, clear it, start the server program again, then connect again"
 )
 
 
@@ -205,7 +205,7 @@ class MappdkRobot(CountedArm):
         self._watching = True
 
     async def _moved(self, request: bytes, timeout_s: float) -> protocol.Reply:
-        unheard = f" or after {protocol.SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+        unheard = f" or after {protocol.SILENCE_S:g} s without a message" if self._watching else ""
         with motion_awaited(_LOOK_AT_PENDANT, f", as it does at a fault{unheard}"):
             return await self._motion.ask(request, "success", timeout_s, beats=self._watching)
 
@@ -219,7 +219,7 @@ class MappdkRobot(CountedArm):
         percent = self._pace.share_percent(steps_deg, self._limits)
         if percent < 1:
             raise DeviceRefusedError(
-                "MAPPDK knows no speed below 1 % of the joints' greatest, and that is above the limits here:"
+                "MAPPDK has no speed below 1 % of the joints' maximum, and that is above the limits here:"
                 f" this motion must take {least_s:.0f} s or more; allow more speed, or load truepose's own"
                 " server program"
             )
@@ -245,8 +245,8 @@ def _open(options: Options, clock: Clock) -> MappdkRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port of the motion server, {protocol.MOTION_PORT} unless changed",
-    "logger_port": f"TCP port of the logger, {protocol.LOGGER_PORT} unless changed; tells joints during"
+    "port": f"TCP port of the motion server, default {protocol.MOTION_PORT}",
+    "logger_port": f"TCP port of the logger, default {protocol.LOGGER_PORT}; tells joints during"
     " motions",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,

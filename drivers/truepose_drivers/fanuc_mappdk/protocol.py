@@ -311,11 +311,11 @@ def _joint_texts(reply: Reply) -> list[str]:
     own, others = texts[:JOINTS], texts[JOINTS:]
     if len(entries) != _ENTRIES or len(texts) != _ENTRIES or "none" in own or set(others) != {"none"}:
         raise MappdkProtocolError(
-            f"the robot stated {reply.message[:120]!r}; angles of six joints were expected"
+            f"the robot reported {reply.message[:120]!r}; expected angles of six joints"
         )
     decimals = set(map(_decimals, own))
     if len(decimals) > 1 or min(decimals) < _FEWEST_DECIMALS:
-        raise MappdkProtocolError(f"the robot stated {reply.message[:120]!r}: digits were lost or came twice")
+        raise MappdkProtocolError(f"the robot reported {reply.message[:120]!r}: digits were lost or duplicated")
     return own
 
 

@@ -60,7 +60,7 @@ class Exchanges(Conversation[protocol.Packet]):
                 stopped = self._note(packet) or stopped
         if end is None:
             self.holds = True
-            raise NotInitialisedError(f"the robot stopped on its way: {stopped}")
+            raise NotInitialisedError(f"the robot stopped during the motion: {stopped}")
         return end
 
     async def _send(self, request: protocol.Packet, timeout_s: float) -> None:
@@ -69,7 +69,7 @@ class Exchanges(Conversation[protocol.Packet]):
         await self.send(
             protocol.encode(request),
             timeout_s=timeout_s,
-            silence=f"the robot at {self.address} is connected and says nothing: look at the pendant, then"
+            silence=f"the robot at {self.address} is connected but does not respond: check the pendant, then"
             " connect again",
         )
 
@@ -85,7 +85,7 @@ class Exchanges(Conversation[protocol.Packet]):
     def _require_time(self, give_up_s: float) -> None:
         if now_s() > give_up_s:
             raise NoReplyError(
-                f"the robot at {self.address} does not report the end of its motion: look at the pendant for"
+                f"the robot at {self.address} does not report the end of its motion: check the pendant for"
                 " a program on hold, then connect again"
             )
 
@@ -203,7 +203,7 @@ class Handover:
 
     def _opened(self) -> Link:
         if self._second is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
+            raise ConnectionLostError(f"not connected to {self.address}: connect first")
         return self._second
 
 

@@ -144,7 +144,7 @@ class RmiRobot(CountedArm):
             return True
         if stated.time_ms != before.time_ms:
             raise protocol.RmiProtocolError(
-                "the robot states joints that are older than the last ones: connect again"
+                "the robot reports joints that are older than the last ones: connect again"
             )
         return False
 
@@ -219,7 +219,7 @@ class RmiRobot(CountedArm):
         """Whether a speed override holds; raises NotInitialisedError where a fault holds the robot."""
         status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
         if self._exchanges.holds or not status.running:
-            raise NotInitialisedError("the robot was stopped on its way: look at the pendant, then confirm")
+            raise NotInitialisedError("the robot was stopped during the motion: check the pendant, then confirm")
         return status.override_percent == percent
 
     async def _lower_override(self, percent: int) -> None:
@@ -249,7 +249,7 @@ class RmiRobot(CountedArm):
         if protocol.is_of_target(error):
             return target_refused(target_deg, f", as its pendant counts them: {why}")
         return NotInitialisedError(
-            f"the robot broke off its motion: {why}; look at the pendant, then confirm"
+            f"the robot broke off its motion: {why}; check the pendant, then confirm"
         )
 
 
@@ -266,7 +266,7 @@ def _open(options: Options, clock: Clock) -> RmiRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port at which sessions begin, {protocol.CONNECT_PORT} unless changed",
+    "port": f"TCP port at which sessions begin, default {protocol.CONNECT_PORT}",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,
 }

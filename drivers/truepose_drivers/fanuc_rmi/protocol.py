@@ -215,7 +215,7 @@ def decode_status(answer: Packet) -> Status:
     """Return what a controller says of itself; raises RmiProtocolError."""
     override = answer.whole("Override")
     if not 1 <= override <= FASTEST_PERCENT:
-        raise RmiProtocolError(f"the controller states a speed override of {override} %")
+        raise RmiProtocolError(f"the controller reports a speed override of {override} %")
     return Status(
         servo_ready=answer.whole("ServoReady") != 0,
         pendant_on=answer.whole("TPMode") != 0,
@@ -266,9 +266,9 @@ def error_texts(answer: Packet) -> list[str]:
 def _angles(stated: Packet) -> tuple[float, ...]:
     angles = tuple(stated.number(axis) for axis in _AXES if axis in stated.fields)
     if len(angles) < JOINTS or stated.fields.keys() != set(_AXES[: len(angles)]):
-        raise RmiProtocolError(f"the robot states {dict(stated.fields)}; six joints or more were expected")
+        raise RmiProtocolError(f"the robot reports {dict(stated.fields)}; expected six joints or more")
     if not all(abs(angle) <= _FURTHEST_DEG for angle in angles):
-        raise RmiProtocolError(f"the robot states {angles} deg, which is out of any robot's range")
+        raise RmiProtocolError(f"the robot reports {angles} deg, which is out of any robot's range")
     return angles
 
 

@@ -66,8 +66,8 @@ class HeidenhainCounter(OnePortDevice):
                 answers, lamps = await self._ask_state()
             if lamps.inch != self._inch:
                 raise protocol.NdProtocolError(
-                    f"the unit displayed at {self._counter} changes again and again:"
-                    " leave its keys alone while it is read"
+                    f"the unit displayed at {self._counter} keeps changing: do not"
+                    " press its keys during a reading"
                 )
         time_s = await self._clock.now_s()
         resolution_mm = protocol.to_mm(1, lamps)
@@ -92,7 +92,7 @@ class HeidenhainCounter(OnePortDevice):
                 if not refused:
                     raise
                 raise protocol.NdProtocolError(
-                    f"{self._counter} refuses to say what it is (A0000)"
+                    f"{self._counter} refuses to identify itself (A0000)"
                 ) from error
             refused |= isinstance(reply, protocol.Refusal)
             if isinstance(reply, protocol.Line) and protocol.is_identity_line(reply, len(lines)):
@@ -117,8 +117,8 @@ class HeidenhainCounter(OnePortDevice):
             answers = _with(answers, await self._conversation.next())
             if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
                 raise protocol.NdProtocolError(
-                    f"{self._counter} does not tell its status indicators (A0800):"
-                    " it is none of the ND 2xx B or ND 287"
+                    f"{self._counter} does not report its status indicators (A0800):"
+                    " it is not an ND 2xx B or ND 287"
                 )
         await self._require_end()
         return answers, protocol.decode_lamps(lamps)
@@ -128,8 +128,8 @@ class HeidenhainCounter(OnePortDevice):
         async for reply in self._conversation.arrived():
             if not isinstance(reply, protocol.Line) or reply.opened:
                 raise protocol.NdProtocolError(
-                    f"{self._counter} answered more than was asked:"
-                    " one answer is left from before, and nobody knows which"
+                    f"{self._counter} sent more data than requested:"
+                    " one of the answers is a late reply, and it is unknown which"
                 )
 
     async def _send(self, *commands: protocol.Command) -> None:
@@ -148,7 +148,7 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
         return replace(answers, refusals=answers.refusals + 1)
     if not isinstance(reply, protocol.Line):
         raise protocol.NdProtocolError(
-            "the counter acknowledged something that it was not asked: connect again"
+            "the counter acknowledged a command that was not sent: connect again"
         )
     if not reply.opened:
         return answers  # an operator pressed PRINT meanwhile
@@ -156,7 +156,7 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
     # Error, value, lamps is the order of the questions: behind the value only the lamps can be of this turn.
     if answers.value is not None and kind != "lamps":
         raise protocol.NdProtocolError(
-            f"{reply.text!r} answers nothing that was asked: it is left from before"
+            f"{reply.text!r} matches no request: it is a late reply to an earlier one"
         )
     match kind:
         case "value":
@@ -165,7 +165,7 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
             return replace(answers, lamps=reply)
         case "text" if answers.error_text is None:
             return replace(answers, error_text=reply.text.strip())
-    raise protocol.NdProtocolError("the counter told its error twice: one of them is left from before")
+    raise protocol.NdProtocolError("the counter reported its error twice: one is a late reply to an earlier request")
 
 
 def _open(options: Options, clock: Clock) -> HeidenhainCounter:
@@ -175,5 +175,5 @@ def _open(options: Options, clock: Clock) -> HeidenhainCounter:
     return HeidenhainCounter(link, clock, reply_timeout_s=_REPLY_TIMEOUT_S + on_the_line_s)
 
 
-_OPTIONS = {**SERIAL_OPTIONS, "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2"}
+_OPTIONS = {**SERIAL_OPTIONS, "baud": f"rate set at the counter, default {_FACTORY.baud}; always 7E2"}
 PLUGIN = DriverPlugin("heidenhain_nd", "ballbar", "nd28x", _OPTIONS, _open, also=("linear_gauge",))

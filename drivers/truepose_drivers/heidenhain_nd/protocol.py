@@ -176,7 +176,7 @@ def decode_count(line: Line) -> int:
     """Read the answer to A0200; raises NdProtocolError."""
     if not _VALUE.fullmatch(line.text):
         raise NdProtocolError(
-            f"the counter answered A0200 with {line.text!r}; a sign and 9 digits belong there"
+            f"the counter answered A0200 with {line.text!r}; expected a sign and 9 digits"
         )
     return int(line.text)
 
@@ -184,7 +184,7 @@ def decode_count(line: Line) -> int:
 def decode_lamps(line: Line) -> Lamps:
     """Read the answer to A0800; raises NdProtocolError."""
     if not _LAMPS.fullmatch(line.text):
-        raise NdProtocolError(f"the counter answered A0800 with {line.text!r}; digits 0 to 2 belong there")
+        raise NdProtocolError(f"the counter answered A0800 with {line.text!r}; expected digits 0 to 2")
     lit = [character != "0" for character in line.text.ljust(14, "0")]
     return Lamps(reference=lit[0], inch=lit[6], below=lit[7], inside=lit[8], above=lit[9])
 
@@ -245,7 +245,7 @@ class ReplyReader(StreamReader):
         end = self._buffer.find(b"\r\n")
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:
             raise NdProtocolError(
-                f"{bytes(self._buffer[:20])!r}... is no reply of a counter:"
+                f"{bytes(self._buffer[:20])!r}... is not a reply from a counter:"
                 " check baud rate, data bits and parity"
             )
         if end < 0:
@@ -260,7 +260,7 @@ def _ascii(data: bytes) -> str:
         return data.decode("ascii")
     except UnicodeDecodeError as error:
         raise NdProtocolError(
-            f"{data[:20]!r} is no text: check baud rate, data bits and parity of counter and port"
+            f"{data[:20]!r} is not text: check baud rate, data bits and parity of counter and port"
         ) from error
 
 

@@ -104,7 +104,7 @@ def _whole(values: Values, key: str) -> int:
     """Return how many were averaged, one where nothing is said."""
     count = values.get(key, 1)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count < 2**31:
-        raise protocol.BridgeError(f"{key} is {repr(count)[:40]}; a whole number from 1 was expected")
+        raise protocol.BridgeError(f"{key} is {repr(count)[:40]}; expected a whole number from 1")
     return count
 
 
@@ -117,7 +117,7 @@ def _face(values: Values) -> Literal[1, 2]:
             return 1
         case 2:
             return 2
-    raise protocol.BridgeError(f"face is {values['face']!r:.40}; 1 or 2 was expected")
+    raise protocol.BridgeError(f"face is {values['face']!r:.40}; expected 1 or 2")
 
 
 def _covariance(values: Values) -> tuple[Vector, Vector, Vector] | None:
@@ -287,11 +287,11 @@ class BridgedTracker(OnePortDevice):
         """Read what arrived unasked: that it was at work, and nothing else."""
         async for line in self._lines.arrived():
             if not isinstance(protocol.decode_reply(line), protocol.Busy):
-                raise protocol.BridgeError(f"the bridge at {self._lines.address} said more than was asked")
+                raise protocol.BridgeError(f"the bridge at {self._lines.address} sent more data than requested")
 
     def _silence(self, ask: protocol.Ask) -> str:
         return (
-            f"the bridge at {self._lines.address} did not answer {ask}: look whether it and the maker's"
+            f"the bridge at {self._lines.address} did not answer {ask}: check that it and the maker's"
             " software are running, then connect again"
         )
 
@@ -324,6 +324,6 @@ def _open(options: Options, clock: Clock) -> BridgedTracker:
 
 _OPTIONS = {
     "host": "address of the computer on which the bridge runs",
-    "port": f"TCP port of the bridge, {PORT} unless changed",
+    "port": f"TCP port of the bridge, default {PORT}",
 }
 PLUGIN = DriverPlugin("json_bridge", "tracker", "json_bridge", _OPTIONS, _open, also=("pose_tracker",))

@@ -98,7 +98,7 @@ def decode_reply(line: bytes) -> Reply:
         return Failure(number, text(document, "error"), text(document, "sentence"))
     if "busy" in document:
         if document["busy"] is not True:
-            raise BridgeError(f"busy is {_shown(document['busy'])}; true was expected")
+            raise BridgeError(f"busy is {_shown(document['busy'])}; expected true")
         return Busy(number)
     values = {key: value for key, value in document.items() if key not in ("id", "serial")}
     return Answer(number, text(document, "serial"), MappingProxyType(values))
@@ -123,7 +123,7 @@ def number(values: Mapping[str, object], key: str) -> float:
     """Return a number; raises BridgeError."""
     found = finite_number(values.get(key))
     if found is None:
-        raise BridgeError(f"{key} is {_shown(values.get(key))}; a number was expected")
+        raise BridgeError(f"{key} is {_shown(values.get(key))}; expected a number")
     return found
 
 
@@ -133,7 +133,7 @@ def numbers(values: Mapping[str, object], key: str, count: int) -> tuple[float, 
     found = [finite_number(value) for value in given] if isinstance(given, list) else []
     whole = tuple(value for value in found if value is not None)
     if not len(whole) == len(found) == count:
-        raise BridgeError(f"{key} is {_shown(given)}; {count} numbers were expected")
+        raise BridgeError(f"{key} is {_shown(given)}; expected {count} numbers")
     return whole
 
 
@@ -141,14 +141,14 @@ def text(values: Mapping[str, object], key: str) -> str:
     """Return a text that is not empty; raises BridgeError."""
     found = values.get(key)
     if not isinstance(found, str) or not found.strip():
-        raise BridgeError(f"{key} is {_shown(found)}; a text was expected")
+        raise BridgeError(f"{key} is {_shown(found)}; expected a text")
     return found[:_LONGEST_TEXT]
 
 
 def _count(values: Mapping[str, object], key: str) -> int:
     found = values.get(key)
     if isinstance(found, bool) or not isinstance(found, int) or not 0 <= found <= _HIGHEST:
-        raise BridgeError(f"{key} is {_shown(found)}; a count was expected")
+        raise BridgeError(f"{key} is {_shown(found)}; expected a count")
     return found
 
 

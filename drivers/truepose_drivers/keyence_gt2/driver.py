@@ -51,11 +51,11 @@ async def _ask_all(ask: Ask[protocol.Reply], channels: Sequence[int]) -> tuple[p
             if len(amplifiers) >= max(channels):
                 return amplifiers
             raise DeviceRefusedError(
-                f"the unit has {len(amplifiers)} amplifiers, and channel {max(channels)} is asked for:"
+                f"the unit has {len(amplifiers)} amplifiers, but channel {max(channels)} is configured:"
                 " check channels in the cell file, and that all amplifiers are plugged together"
             )
         case protocol.Refusal(_, code):
-            raise DeviceRefusedError(f"the unit refuses to tell its values (error {code}): see its manual")
+            raise DeviceRefusedError(f"the unit refuses to send its values (error {code}): see its manual")
     raise LineGaugeError(f"the unit answered MS with {reply}: connect again")
 
 
@@ -79,7 +79,7 @@ def _open(options: Options, clock: Clock) -> LineGauges[protocol.Reply]:
 
 _OPTIONS = {
     "host": "address of the DL-EN1 unit",
-    "port": f"TCP port of the unit, {_PORT} unless changed",
+    "port": f"TCP port of the unit, default {_PORT}",
     "serial": "instead of host: name of the serial port of a DL-RS1A unit",
     "baud": SERIAL_OPTIONS["baud"],
     **SHARED_OPTIONS,

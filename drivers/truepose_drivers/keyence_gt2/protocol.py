@@ -106,7 +106,7 @@ def _text(value: Value | None) -> str:
 
 
 def _unknown(line: str) -> LineGaugeError:
-    return LineGaugeError(f"{line[:40]!r} is no answer of a Keyence unit: is this its port?")
+    return LineGaugeError(f"{line[:40]!r} is not an answer from a Keyence unit: is this its port?")
 
 
 def reply_reader() -> TextLines[Reply]:

@@ -73,7 +73,7 @@ class VariableProxy(OverPort):
         await self._conversation.send(
             protocol.encode_request(request),
             timeout_s=self._reply_s,
-            silence=f"the proxy at {self._conversation.address} is connected and says nothing: see that its"
+            silence=f"the proxy at {self._conversation.address} is connected but does not respond: see that its"
             " program runs on the controller, then connect again",
         )
         answer = await self._conversation.next()
@@ -82,7 +82,7 @@ class VariableProxy(OverPort):
                 f"the proxy answers request {answer.number}, and {request.number} was asked: connect again"
             )
         if not await self._conversation.is_quiet():
-            raise protocol.ProxyProtocolError("the proxy answers more than was asked: connect again")
+            raise protocol.ProxyProtocolError("the proxy sent more data than requested: connect again")
         return answer
 
     async def _ping(self) -> None:
@@ -132,7 +132,7 @@ class Program:
                 f"the program TRUEPOSE is not on the controller: load it, {_START}"
             ) from error
         if state.moves:
-            raise NotInitialisedError("the robot still moves, or stops on its way: wait for it, then confirm")
+            raise NotInitialisedError("the robot is still moving, or stopped during a motion: wait for it, then confirm")
         return state
 
     async def give(self, order: Order) -> None:
@@ -183,7 +183,7 @@ class Program:
         state = await self._proxy.read(protocol.Variable.PROGRAM_STATE, protocol.decode_text)
         if state != protocol.ACTIVE:
             raise NotInitialisedError(
-                f"the robot stopped on its way ({state}): look at the messages on its pendant, reset"
+                f"the robot stopped during the motion ({state}): look at the messages on its pendant, reset"
                 f" TRUEPOSE, {_START}"
             )
 

@@ -127,9 +127,9 @@ def _open(options: Options, clock: Clock) -> KukaRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port of the variable proxy, {protocol.PROXY_PORT} unless changed",
-    "signs": "-1 for each joint that the robot file counts the other way round, all 1 if left out",
+    "port": f"TCP port of the variable proxy, default {protocol.PROXY_PORT}",
+    "signs": "-1 for each joint with the opposite sign in the robot file, default: all 1",
     **arm_options.PACE_OPTIONS,
-    "joint_speeds_deg_s": "greatest speeds of the six joints, those of the KR 6 R900 sixx if left out",
+    "joint_speeds_deg_s": "maximum speeds of the six joints; default: those of the KR 6 R900 sixx",
 }
 PLUGIN = DriverPlugin("kuka_variable_proxy", "robot", "kuka_variable_proxy", _OPTIONS, _open)

@@ -232,10 +232,10 @@ def decode_axes(text: str) -> tuple[float, ...]:
     fields = decode_aggregate(text, "E6AXIS")
     names = tuple(fields)
     if len(names) < JOINTS or names != _AXES[: len(names)]:
-        raise ProxyProtocolError(f"the robot states {text[:160]!r}; the axes A1 to A6 were expected")
+        raise ProxyProtocolError(f"the robot reports {text[:160]!r}; expected the axes A1 to A6")
     angles = tuple(_number(value) for value in fields.values())
     if not all(abs(angle) <= _FURTHEST_DEG for angle in angles):
-        raise ProxyProtocolError(f"the robot states {text[:160]!r}, which is out of any robot's range")
+        raise ProxyProtocolError(f"the robot reports {text[:160]!r}, which is out of any robot's range")
     return angles
 
 
@@ -249,14 +249,14 @@ def decode_state(text: str) -> ProgramState:
     """Return the state of our program; raises ProxyProtocolError."""
     fields = decode_aggregate(text, _STATE_TYPE)
     if tuple(fields) != _STATES:
-        raise ProxyProtocolError(f"the robot states {text[:160]!r} as the state of the program TRUEPOSE")
+        raise ProxyProtocolError(f"the robot reports {text[:160]!r} as the state of the program TRUEPOSE")
     return ProgramState(*(decode_count(value) for value in fields.values()))
 
 
 def decode_count(text: str) -> int:
     """Return a whole number that is not negative; raises ProxyProtocolError."""
     if not (text.isascii() and text.isdigit()) or int(text) > _LARGEST_COUNT:
-        raise ProxyProtocolError(f"the robot states {text[:40]!r}; a count was expected")
+        raise ProxyProtocolError(f"the robot reports {text[:40]!r}; expected a count")
     return int(text)
 
 
@@ -276,15 +276,15 @@ def decode_aggregate(text: str, kind: str) -> dict[str, str]:
     found = _AGGREGATE.fullmatch(text)
     fields = [] if found is None else [_FIELD.fullmatch(field) for field in found[2].split(",")]
     if found is None or found[1] not in {None, kind} or None in fields:
-        raise ProxyProtocolError(f"the robot states {text[:160]!r}; {kind} was expected")
+        raise ProxyProtocolError(f"the robot reports {text[:160]!r}; expected {kind}")
     values = {field[1]: field[2] for field in fields if field is not None}
     if len(values) != len(fields):
-        raise ProxyProtocolError(f"the robot states a field twice: {text[:160]!r}")
+        raise ProxyProtocolError(f"the robot reports a field twice: {text[:160]!r}")
     return values
 
 
 def _number(text: str) -> float:
     value = math.nan if text.startswith("#") else float(text)
     if not math.isfinite(value):
-        raise ProxyProtocolError(f"the robot states {text!r}; a number was expected")
+        raise ProxyProtocolError(f"the robot reports {text!r}; expected a number")
     return value

@@ -117,7 +117,7 @@ class TrackerConversation:
     def _expect(self, command: int, timeout_s: float) -> None:
         silence = (
             f"the tracker at {self._frames.address} did not answer {command_name(command)} in time:"
-            " look whether it is still running, then connect again"
+            " check that it is still running, then connect again"
         )
         self._frames.expect(timeout_s, silence)
 
@@ -132,7 +132,7 @@ class TrackerConversation:
                 continue
             if after_answer and self._answers(packet):
                 raise protocol.PacketError(
-                    f"the tracker at {self._frames.address} answered more than was asked: connect again"
+                    f"the tracker at {self._frames.address} sent more data than requested: connect again"
                 )
 
     async def _answer(

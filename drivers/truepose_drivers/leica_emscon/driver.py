@@ -144,7 +144,7 @@ class LaserTracker(EmsconInstrument):
             case TrackerFace.FACE_2:
                 return 2
             case other:
-                raise RemoteProtocolError(f"the tracker says it stands in face {other}; 1 or 2 was expected")
+                raise RemoteProtocolError(f"the tracker says it stands in face {other}; expected 1 or 2")
 
     async def _ask_for_covariances(self) -> None:
         """Have results carry the covariance of the point; older trackers state deviations only."""
@@ -205,7 +205,7 @@ def _open(options: Options, clock: Clock) -> LaserTracker:
 
 _OPTIONS = {
     "host": "address of the tracker controller, often 192.168.0.1",
-    "port": f"TCP port, {DEFAULT_PORT} unless changed",
+    "port": f"TCP port, default {DEFAULT_PORT}",
     "reflector": "name of the reflector as stored in the tracker; the one set there if left out",
 }
 PLUGIN = DriverPlugin("leica_emscon", "tracker", "emscon", _OPTIONS, _open)

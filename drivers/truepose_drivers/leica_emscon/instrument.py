@@ -255,7 +255,7 @@ def require_deviations(values: Record, *names: str) -> None:
     """See that members are standard deviations, or NaN where none is stated; raises RemoteProtocolError."""
     stated = {name: values.number(name) for name in names}
     if any(deviation < 0.0 or math.isinf(deviation) for deviation in stated.values()):
-        raise RemoteProtocolError(f"the tracker states standard deviations of {stated}: connect again")
+        raise RemoteProtocolError(f"the tracker reports standard deviations of {stated}: connect again")
 
 
 def _sensor_name(tracker_type: int) -> str:

@@ -71,7 +71,7 @@ def unit_quaternion(values: protocol.Record) -> Quaternion:
     q0, qx, qy, qz = (values.number(f"quaternion{index}") for index in range(4))
     length = math.hypot(q0, qx, qy, qz)
     if not abs(length - 1.0) <= _ROUNDED:  # a NaN is not
-        raise RemoteProtocolError(f"the tracker states a quaternion of length {length:.6g}: connect again")
+        raise RemoteProtocolError(f"the tracker reports a quaternion of length {length:.6g}: connect again")
     return q0 / length, qx / length, qy / length, qz / length
 
 
@@ -219,7 +219,7 @@ def _open(options: Options, clock: Clock) -> ProbeTracker:
 
 _OPTIONS = {
     "host": "address of the tracker controller, often 192.168.0.1",
-    "port": f"TCP port, {protocol.DEFAULT_PORT} unless changed",
+    "port": f"TCP port, default {protocol.DEFAULT_PORT}",
     "probe": "name of the probe as stored in the tracker; whichever the beam is on if left out",
 }
 PLUGIN = DriverPlugin("leica_emscon_6d", "pose_tracker", "emscon", _OPTIONS, _open)

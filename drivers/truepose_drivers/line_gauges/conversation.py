@@ -68,10 +68,10 @@ def _reversed(options: Options) -> bool:
 
 
 SHARED_OPTIONS: Final[Mapping[str, str]] = {
-    "channels": "which channels are used, each a gauge, such as 1 2 3; 1 unless given",
-    "range_mm": "either way of zero; what lies beyond is out of range; unless given, what the box says is",
-    "reversed": "true where the box counts up as the plunger comes out; false unless given",
-    "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
+    "channels": "channels in use, one gauge each, such as 1 2 3; default 1",
+    "range_mm": "range to either side of zero; values beyond it are out of range; default: as the box reports",
+    "reversed": "true if the value rises as the plunger extends; default false",
+    "decimals": "decimal places in millimetres; default: taken from the first values",
 }
 _REPLY_TIMEOUT_S: Final = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _SETTLE_S: Final = 0.3  # a Digimatic gauge needs no longer, and the line no time
@@ -195,14 +195,14 @@ class LineGauges(OnePortDevice, Generic[Message]):
         """Ask, and return the answer; where a second line comes with it, nobody knows which it is."""
         box = f"{self._dialect.box} at {self._link.address}"
         self._has_asked = True
-        silence = f"{box} says nothing: check cable, power and rate"
+        silence = f"{box} does not respond: check cable, power and baud rate"
         for _ in range(_MOST_TRIES):
             await self._conversation.drain()
             await self._conversation.send(question, timeout_s=self._reply_timeout_s, silence=silence)
             message = await self._conversation.next()
             if await self._conversation.is_quiet():
                 return message
-        raise LineGaugeError(f"{box} sends more than it is asked for: leave the keys of gauge and box alone")
+        raise LineGaugeError(f"{box} sends data without a request: do not press keys on the gauge or the box")
 
 
 def open_line_gauges(

@@ -53,7 +53,7 @@ def _ascii(line: bytes) -> str:
     try:
         return line.decode("ascii")
     except UnicodeDecodeError as error:
-        raise LineGaugeError(f"{line[:20]!r} is no text: check rate, data bits and parity") from error
+        raise LineGaugeError(f"{line[:20]!r} is not text: check rate, data bits and parity") from error
 
 
 _FIELD_WIDTH: Final = 9
@@ -119,7 +119,7 @@ class ValueForm:
         """See that a value has the form of all others; raises the error given."""
         if value.form != self._form:
             raise self._error(
-                f"the gauge sends {value.decimals} digits behind the point, {value.width} characters in all,"
+                f"the gauge sends {value.decimals} decimal places, {value.width} characters in all,"
                 f" where {self._expected} belong: it shows inches, or characters were lost; set it to"
                 " millimetres, and for another gauge on this cable start the service again"
             )

@@ -53,7 +53,7 @@ class EhCounter:
         # apart.
         if reply.mode != "N":
             raise LineGaugeError(
-                f"channel {channel} holds its greatest, least or span (G{reply.mode}), not its value:"
+                f"channel {channel} is set to hold its maximum, minimum or range (G{reply.mode}), not its value:"
                 " set the counter to normal measurement"
             )
         return Display(reply.value)
@@ -76,7 +76,7 @@ def _end(options: Options) -> bytes:
 
 _OPTIONS = {
     **SERIAL_OPTIONS,
-    "terminator": "what ends a question: CR LF, CR or LF; CR LF unless given; any ends an answer",
+    "terminator": "terminator of requests: CR LF, CR or LF; default CR LF; answers may end with any of them",
     **SHARED_OPTIONS,
 }
 PLUGIN = DriverPlugin("mitutoyo_eh", "linear_gauge", "mitutoyo_eh", _OPTIONS, _open, also=("ballbar",))

@@ -45,7 +45,7 @@ def _display(reply: protocol.Reply, channel: int) -> Display:
     if reply.channel != channel:
         raise LineGaugeError(
             f"channel {reply.channel} answered, and channel {channel} was asked:"
-            " it is left from before, or the box numbers its channels otherwise"
+            " it is a late reply, or the box numbers its channels differently"
         )
     return Display(reply.value)
 

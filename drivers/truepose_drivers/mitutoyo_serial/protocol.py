@@ -59,7 +59,7 @@ def decode(line: str) -> Reply:
         return ChannelValue(*data)
     if (number := read_error_line(line)) is not None:
         return NoValue(number)
-    raise LineGaugeError(f"{line[:40]!r} is no line of a Mitutoyo box: check its rate")
+    raise LineGaugeError(f"{line[:40]!r} is not a line from a Mitutoyo box: check its rate")
 
 
 def reply_reader() -> TextLines[Reply]:

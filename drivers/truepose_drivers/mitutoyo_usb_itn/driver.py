@@ -106,7 +106,7 @@ class UsbItnGauge(OnePortDevice):
             if await self._replies.is_quiet():
                 return reply
         raise protocol.ItnProtocolError(
-            f"the cable at {self._port.address} sends more than it is asked for: leave the gauge's keys alone"
+            f"the cable at {self._port.address} sends data without a request: do not press keys on the gauge"
         )
 
     async def _ask_device(self) -> protocol.DeviceInfo:
@@ -132,8 +132,8 @@ def _open(options: Options, clock: Clock) -> UsbItnGauge:
 _OPTIONS = {
     "usb": f"vendor:product[:serial number], {_ANY_CABLE} unless given, or usbip://host[:port]/busid",
     "host": "instead of usb: address of a USB/IP server whose only device it is",
-    "port": "TCP port of the USB/IP server, 3240 unless changed",
-    "range_mm": "either way of zero; what lies beyond is out of range; 1.0 unless given",
-    "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
+    "port": "TCP port of the USB/IP server, default 3240",
+    "range_mm": "range to either side of zero; values beyond it are out of range; default 1.0",
+    "decimals": "decimal places in millimetres; default: taken from the first values",
 }
 PLUGIN = DriverPlugin("mitutoyo_usb_itn", "ballbar", "usb_itn", _OPTIONS, _open, also=("linear_gauge",))

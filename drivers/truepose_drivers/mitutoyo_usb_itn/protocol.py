@@ -70,7 +70,7 @@ def decode(data: bytes) -> Reply:
         return Error(number)
     if text.startswith("1"):
         return DeviceInfo(text[1:].strip())
-    raise ItnProtocolError(f"{text!r} is no reply of a USB-ITN cable")
+    raise ItnProtocolError(f"{text!r} is not a reply from a USB-ITN cable")
 
 
 class ReplyReader(StreamReader):
@@ -84,7 +84,7 @@ class ReplyReader(StreamReader):
         """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""
         end = self._buffer.find(_END)
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:
-            raise ItnProtocolError(f"{bytes(self._buffer[:20])!r}... does not end: it is no USB-ITN cable")
+            raise ItnProtocolError(f"{bytes(self._buffer[:20])!r}... does not end: the device is not a USB-ITN cable")
         if end < 0:
             return None
         return decode(self._take(end, drop=len(_END)))

@@ -146,7 +146,7 @@ class PolarisTracker(OnePortDevice):
                 await self.close()
                 raise NoReplyError(
                     f"the frames of the camera do not go on (frame {tool.frame} after {self._frame}), so"
-                    " what it states is old: look whether it is still running, then connect again"
+                    " what it states is old: check that it is still running, then connect again"
                 )
             await asyncio.sleep(_POLL_S)
 
@@ -222,7 +222,7 @@ class PolarisTracker(OnePortDevice):
 
         silence = (
             f"the camera at {self._conversation.address} did not answer {request.name} in time:"
-            " look whether it is still running, then connect again"
+            " check that it is still running, then connect again"
         )
         return await self._conversation.ask(
             protocol.encode_request(request),
@@ -323,7 +323,7 @@ def _definition(options: Options) -> bytes:
 _OPTIONS = {
     "host": "address of the camera, by its label or its maker's tool",
     "serial": "serial port instead, of a camera without Ethernet",
-    "port": f"TCP port, {protocol.DEFAULT_PORT} unless changed",
+    "port": f"TCP port, default {protocol.DEFAULT_PORT}",
     "tool_file": "file with the artefact's tool definition (.rom)",
 }
 PLUGIN = DriverPlugin("ndi_polaris", "pose_tracker", "ndi", _OPTIONS, _open)

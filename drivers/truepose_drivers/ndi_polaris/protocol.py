@@ -195,7 +195,7 @@ def _checked_text(line: bytes) -> Text:
             f"the camera's reply {line[:40]!r} is damaged, its checksum is wrong: connect again"
         )
     if not text.isascii():
-        raise NdiProtocolError(f"the camera's reply {line[:40]!r} is no text: is this the right port?")
+        raise NdiProtocolError(f"the camera's reply {line[:40]!r} is not text: is this the right port?")
     return Text(text.decode("ascii"))
 
 
@@ -360,7 +360,7 @@ def _binary_tools(body: bytes) -> list[ToolFrame]:
             pose = _checked(_POSE.unpack_from(body, at))
             at += _POSE.size
         elif state != _MISSING:
-            raise NdiProtocolError(f"the camera states {state} of a tool, which is neither valid nor missing")
+            raise NdiProtocolError(f"the camera reports {state} of a tool, which is neither valid nor missing")
         status, frame = _PORT.unpack_from(body, at)
         at += _PORT.size
         tools.append(ToolFrame(handle, pose, PortStatus(status), frame))
@@ -419,7 +419,7 @@ def _checked(values: tuple[float, ...]) -> ToolPose:
     length = math.hypot(q0, qx, qy, qz)
     if not (abs(length - 1.0) <= _UNIT and all(map(math.isfinite, (x, y, z))) and 0.0 <= error < math.inf):
         raise NdiProtocolError(
-            f"the camera states a quaternion of length {length:.4g} at {(x, y, z)} mm with error {error}:"
+            f"the camera reports a quaternion of length {length:.4g} at {(x, y, z)} mm with error {error}:"
             " that is no pose"
         )
     return ToolPose((q0, qx, qy, qz), (x, y, z), error)

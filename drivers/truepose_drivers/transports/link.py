@@ -220,7 +220,7 @@ class BlockingPort(ABC, Generic[Handle]):
 
     def _opened(self) -> Handle:
         if self._handle is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
+            raise ConnectionLostError(f"not connected to {self.address}: connect first")
         return self._handle
 
     async def _in_thread(self, call: Callable[[], Value]) -> Value:

@@ -29,9 +29,9 @@ TERMINAL_SERVER_PORT: Final = 4001  # first line of a Moxa NPort, as delivered
 RATES: Final = (1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
 SERIAL_OPTIONS: Final[Mapping[str, str]] = {
     "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
-    "baud": "rate set at the box, 9600 unless changed",
+    "baud": "rate set at the box, default 9600",
     "host": "instead of serial: address of a terminal server in raw mode",
-    "port": f"TCP port of the terminal server's line, {TERMINAL_SERVER_PORT} unless changed",
+    "port": f"TCP port of the terminal server's line, default {TERMINAL_SERVER_PORT}",
 }
 _SLICE_S = 0.05  # a port that is closed meanwhile is let go after this long
 _WRITE_TIMEOUT_S = 2.0  # a device that holds us back by XOFF for longer has gone

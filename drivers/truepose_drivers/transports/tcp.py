@@ -150,7 +150,7 @@ class TcpLink:
                 _, self._connection = await loop.create_connection(_Connection, self._host, self._port)
         except TimeoutError as error:
             raise ConnectFailedError(
-                f"nobody answers at {self.address} within {self._connect_timeout_s:g} s:"
+                f"no response from {self.address} within {self._connect_timeout_s:g} s:"
                 " check power, cable and address"
             ) from error
         except (OSError, UnicodeError) as error:  # UnicodeError: no name of a host
@@ -191,7 +191,7 @@ class TcpLink:
 
     def _opened(self) -> _Connection:
         if self._connection is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
+            raise ConnectionLostError(f"not connected to {self.address}: connect first")
         return self._connection
 
     async def _lost(self) -> ConnectionLostError:

@@ -70,7 +70,7 @@ class UdpPort:
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return the oldest datagram not taken yet, None after `timeout_s`; raises ConnectionLostError."""
         if self._inbox is None:
-            raise ConnectionLostError(f"nobody listens at {self.address}: connect first")
+            raise ConnectionLostError(f"nothing is listening at {self.address}: connect first")
         try:
             async with asyncio.timeout(max(timeout_s, 0.0)):
                 return await self._inbox.take()

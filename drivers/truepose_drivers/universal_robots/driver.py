@@ -190,7 +190,7 @@ class UniversalRobot(OnePortDevice):
         await self._rtde.send(
             protocol.encode(request),
             timeout_s=_REPLY_S,
-            silence=f"the robot at {self._rtde.address} is connected and says nothing: look at the pendant,"
+            silence=f"the robot at {self._rtde.address} is connected but does not respond: check the pendant,"
             " then connect again",
         )
         while (reply := await self._rtde.next()).kind != request.kind:
@@ -276,8 +276,8 @@ def _open(options: Options, clock: Clock) -> UniversalRobot:
 
 _OPTIONS = {
     "host": "address of the controller, as shown on the pendant",
-    "port": f"TCP port of RTDE, {protocol.RTDE_PORT} unless changed",
-    "script_port": f"TCP port that takes scripts, {SCRIPT_PORT} unless changed",
-    "dashboard_port": f"TCP port of the dashboard, {protocol.DASHBOARD_PORT} unless changed",
+    "port": f"TCP port of RTDE, default {protocol.RTDE_PORT}",
+    "script_port": f"TCP port that takes scripts, default {SCRIPT_PORT}",
+    "dashboard_port": f"TCP port of the dashboard, default {protocol.DASHBOARD_PORT}",
 }
 PLUGIN = DriverPlugin("universal_robots", "robot", "ur_rtde", _OPTIONS, _open)

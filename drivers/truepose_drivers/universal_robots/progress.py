@@ -56,7 +56,7 @@ class Progress:
     def _require_no_stop(self, state: RobotState) -> None:
         what = obstacle(state.robot_mode, state.safety_mode)
         if what is not None:
-            raise NotInitialisedError(f"the robot stopped on its way: {what}; then confirm")
+            raise NotInitialisedError(f"the robot stopped during the motion: {what}; then confirm")
         if state.given_up == self._order.number:
             raise stopped_unheard(SILENCE_S)
 
@@ -84,16 +84,16 @@ class Progress:
         # The state does not say why a program ended; but an arm that never moved was refused its target.
         if farthest_off(state.joints_rad, self._before.joints_rad) <= STANDING_RAD:
             target_deg = [math.degrees(angle) for angle in self._order.target_rad]
-            return target_refused(target_deg, f": look at the pendant for the reason{_quoted(said)}")
+            return target_refused(target_deg, f": check the pendant for the reason{_quoted(said)}")
         return NotInitialisedError(
-            f"the motion was broken off on its way: look at the pendant for the reason{_quoted(said)}, then"
+            f"the motion was interrupted: check the pendant for the reason{_quoted(said)}, then"
             " confirm"
         )
 
     def _require_motion(self, now_s: float) -> None:
         if now_s - self._moved_s > _STANDS_AT_MOST_S:
             raise NoReplyError(
-                f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not arrived: look at the"
+                f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not reached its target: check the"
                 " pendant for a paused program, then connect again"
             )
 

@@ -71,17 +71,17 @@ _OF_SAFETY: Final[Mapping[int, str]] = {
     SafetyMode.SYSTEM_EMERGENCY_STOP: "the emergency stop of the cell is pressed: release it",
     SafetyMode.ROBOT_EMERGENCY_STOP: "its emergency stop is pressed: release it and switch the arm on",
     SafetyMode.VIOLATION: "a safety limit was violated: restart the safety system on the pendant",
-    SafetyMode.FAULT: "its safety system has a fault: look at the pendant and restart it",
+    SafetyMode.FAULT: "its safety system has a fault: check the pendant and restart it",
 }
 
 
 def obstacle(robot_mode: int, safety_mode: int) -> str | None:
     """Say what keeps the arm from moving, None where nothing does."""
     if safety_mode not in MOVES_IN:
-        other = f"its safety system is in mode {safety_mode}: look at the pendant"
+        other = f"its safety system is in mode {safety_mode}: check the pendant"
         return _OF_SAFETY.get(safety_mode, other)
     if robot_mode != RobotMode.RUNNING:
-        return _OF_MODE.get(robot_mode, f"it is in mode {robot_mode}: look at the pendant")
+        return _OF_MODE.get(robot_mode, f"it is in mode {robot_mode}: check the pendant")
     return None
 
 

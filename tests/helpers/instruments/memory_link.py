@@ -72,7 +72,7 @@ class MemoryLink:
         """Start serving a fresh far end; raises ConnectFailedError."""
         await self.close()
         if self._serve is None:
-            raise ConnectFailedError(f"nobody answers at {self.address}: check who serves it")
+            raise ConnectFailedError(f"no response from {self.address}: check who serves it")
         there: Queue[bytes] = Queue()
         here: Queue[bytes] = Queue()
         self._end = MemoryEnd(here, there, self._chunk_bytes)
@@ -112,7 +112,7 @@ class MemoryLink:
 
     def _opened(self) -> MemoryEnd:
         if self._end is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
+            raise ConnectionLostError(f"not connected to {self.address}: connect first")
         return self._end
 
 

@@ -116,8 +116,8 @@ async def test_stops_and_lost_links_wait_for_a_person_and_cost_no_configuration(
         "says nothing any more",
         "an emergency stop or motors off",
         "is gone: check power and cable",
-        "look at the pendant",
-        "look at the pendant",
+        "check the pendant",
+        "check the pendant",
         "earlier measurement",
         "changed the units",
         "is gone: check power and cable",
@@ -177,7 +177,7 @@ async def test_what_moved_is_found_at_the_fixed_nests_and_a_broken_beam_leaves_a
     ("base", "protective", "emergency"),
     [
         ("ur10-clean", "it made a protective stop", "its emergency stop is pressed"),
-        ("lrmate-fanuc", "the robot hung up during a motion", "the robot hung up during a motion"),
+        ("lrmate-fanuc", "the robot closed the connection during a motion", "the robot closed the connection during a motion"),
     ],
 )
 async def test_a_stop_of_the_controller_is_for_a_person_to_release(tmp_path, base, protective, emergency):

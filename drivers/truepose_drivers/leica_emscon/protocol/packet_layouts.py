@@ -94,21 +94,21 @@ class Record(dict[str, Value]):
         """Return a member as float; raises PacketError when it is text."""
         value = self[name]
         if isinstance(value, str):
-            raise PacketError(f"member {name} is text ({value!r}), a number was expected")
+            raise PacketError(f"member {name} is text ({value!r}), expected a number")
         return float(value)
 
     def integer(self, name: str) -> int:
         """Return an integer, boolean or enumeration; raises PacketError for anything else."""
         value = self[name]
         if not isinstance(value, int):
-            raise PacketError(f"member {name} is {value!r}, an integer was expected")
+            raise PacketError(f"member {name} is {value!r}, expected an integer")
         return value
 
     def text(self, name: str) -> str:
         """Return a member as text; raises PacketError when it is a number."""
         value = self[name]
         if not isinstance(value, str):
-            raise PacketError(f"member {name} is {value!r}, text was expected")
+            raise PacketError(f"member {name} is {value!r}, expected text")
         return value
 
     def vector(self, *names: str) -> tuple[float, float, float]:

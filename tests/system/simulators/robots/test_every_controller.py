@@ -91,9 +91,9 @@ async def test_after_a_cut_link_the_arm_is_reached_within_five_seconds(make_benc
     ("make_bench", "on_the_way", "before_it_is_released"),
     [
         (FanucBench, "fault", "SRVO-001"),
-        (KukaBench, "stopped on its way", "no program runs"),
-        (UniversalBench, "stopped on its way", "cannot move"),
-        (WebBench, "stopped on its way", "cannot move"),
+        (KukaBench, "stopped during the motion", "no program runs"),
+        (UniversalBench, "stopped during the motion", "cannot move"),
+        (WebBench, "stopped during the motion", "cannot move"),
     ],
 )
 async def test_a_stop_on_the_way_is_told_and_nothing_moves_before_it_is_released(

@@ -75,7 +75,7 @@ async def test_a_stop_between_order_and_first_beat_moves_nothing():
         bench.controller.switch(ControllerState.EMERGENCY_STOP)
 
     bench.controller.task._take = take_and_stop
-    with pytest.raises(NotInitialisedError, match=r"stopped before it set off \(emergencystop\)"):
+    with pytest.raises(NotInitialisedError, match=r"stopped before it started to move \(emergencystop\)"):
         await robot.move_joints(AWAY)
 
     assert not bench.cell.robot.target_rad.any()

@@ -118,7 +118,7 @@ async def test_a_stream_that_ends_or_does_not_move_on_is_a_lost_link(stream, rea
     stream.spoil = spoil
     began_s = asyncio.get_running_loop().time()
 
-    with pytest.raises(NoReplyError, match="nothing new arrives at UDP port 6510"):
+    with pytest.raises(NoReplyError, match="no new data arrives at UDP port 6510"):
         await reader.read_joints()
 
     assert asyncio.get_running_loop().time() - began_s == pytest.approx(0.5, abs=0.05)

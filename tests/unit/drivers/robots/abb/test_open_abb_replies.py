@@ -129,7 +129,7 @@ async def test_a_reply_whose_end_cannot_be_told_is_none_where_the_ping_stays_wit
     robot = await connected_robot(fake)
     fake.replies[0] = ""
 
-    with pytest.raises(NoReplyError, match="does not end its reply"):
+    with pytest.raises(NoReplyError, match="did not complete its reply"):
         await robot.read_joints()
     assert not robot.connected
 

@@ -184,7 +184,7 @@ async def test_our_own_server_hears_the_driver_while_the_arm_moves():
     ("reply", "error", "complaint", "keeps_link"),
     [
         (b"", NoReplyError, "pendant", False),
-        (HANG_UP, ConnectionLostError, r"hung up during a motion.*fault.*pendant", False),
+        (HANG_UP, ConnectionLostError, r"closed the connection during a motion.*fault.*pendant", False),
         (
             "1:position-is-not-reachable",
             TargetRefusedError,

@@ -115,7 +115,7 @@ async def test_a_fault_between_two_pieces_ends_the_motion(fake, robot):
     moving = await begun(robot, fake, 20.0)
     await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=2)))
 
-    with pytest.raises(NotInitialisedError, match="stopped on its way"):
+    with pytest.raises(NotInitialisedError, match="stopped during the motion"):
         await moving
     assert len(fake.motions) < 5
     assert fake.told.count("FRC_Initialize") == 1
@@ -155,7 +155,7 @@ async def test_a_fault_on_the_way_is_told_at_once_and_its_late_reply_is_nothing(
     fake = FakeController(FRC_JointMotionJRep=encode(session(Session.SYSTEM_FAULT, SequenceID=1)))
     robot = await connected(fake)
 
-    with pytest.raises(NotInitialisedError, match=r"stopped on its way.*fault"):
+    with pytest.raises(NotInitialisedError, match=r"stopped during the motion.*fault"):
         await robot.move_joints(TARGET)
     await fake.ends[-1].send(b'{"Instruction": "FRC_JointMotionJRep", "ErrorID": 1, "SequenceID": 1}\r\n')
     del fake.replies["FRC_JointMotionJRep"]

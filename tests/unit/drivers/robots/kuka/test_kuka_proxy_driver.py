@@ -257,7 +257,7 @@ async def test_a_program_that_is_stopped_on_the_way_is_told(fake, robot):
 
     fake.variables["$PRO_STATE1"] = "#P_STOP"
 
-    with pytest.raises(NotInitialisedError, match=r"stopped on its way \(#P_STOP\)"):
+    with pytest.raises(NotInitialisedError, match=r"stopped during the motion \(#P_STOP\)"):
         await moving
 
 

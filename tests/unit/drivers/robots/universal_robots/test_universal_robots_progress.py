@@ -72,7 +72,7 @@ def test_a_motion_that_was_given_up_for_silence_is_a_lost_connection():
 
 @pytest.mark.parametrize(("field", "mode"), [("safety_mode", 3), ("safety_mode", 7), ("robot_mode", 5)])
 def test_a_stop_on_the_way_is_told(field, mode):
-    with pytest.raises(NotInitialisedError, match="stopped on its way"):
+    with pytest.raises(NotInitialisedError, match="stopped during the motion"):
         begun().arrived(replace(MOVING, **{field: mode}), 0.3)
 
 
