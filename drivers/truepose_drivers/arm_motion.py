@@ -75,7 +75,8 @@ def target_refused(target_deg: Sequence[float], rest: str = "") -> TargetRefused
 def stopped_unheard(silence_s: float) -> ConnectionLostError:
     """Return the error of a program that stopped the arm because nobody was heard for so long [s]."""
     return ConnectionLostError(
-        f"the robot stopped during the motion because it received nothing for {silence_s:g} s: check the network, then"
+        f"the robot stopped during the motion because it received nothing for {silence_s:g} s: check the"
+        " network, then"
         " confirm before anything moves"
     )
 
@@ -88,7 +89,9 @@ def motion_awaited(advice: str, why_it_hangs_up: str = "") -> Iterator[None]:
     except NoReplyError as error:
         raise NoReplyError(f"the robot did not report the end of its motion: {advice}") from error
     except ConnectionLostError as error:
-        raise ConnectionLostError(f"the robot closed the connection during a motion{why_it_hangs_up}: {advice}") from error
+        raise ConnectionLostError(
+            f"the robot closed the connection during a motion{why_it_hangs_up}: {advice}"
+        ) from error
 
 
 _LOOK_EVERY_S: Final = 0.5  # wall time, as all here

@@ -326,5 +326,5 @@ def fault_of(name: str, what: str, error: Exception) -> DriverFaultError:
     """Return what a foreign exception becomes, with a sentence for the operator."""
     return DriverFaultError(
         f"driver {name} failed in {what} ({type(error).__name__}: {str(error)[:200]}): check the device's"
-        " cable and power, then connect again; if it comes back, tell whoever supplied the driver"
+        " cable and power, then connect again; if it happens again, report it to the supplier of the driver"
     )

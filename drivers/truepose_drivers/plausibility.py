@@ -185,7 +185,8 @@ def _all_finite(values: Sequence[float]) -> bool:
 def _require(plausible: bool, what: str) -> None:
     if not plausible:
         raise ImplausibleReadingError(
-            f"it states {what}; that is no reading: check its settings and its cable, then connect again"
+            f"it reports {what}, which is not a plausible reading: check its settings and its cable, then"
+            " connect again"
         )
 
 
@@ -207,7 +208,8 @@ class StandingCount:
         elif reading.time_s - self._since_s > _LONGEST_S:
             raise RemoteProtocolError(
                 f"the device has repeated its reading {reading.sequence} for"
-                f" {reading.time_s - self._since_s:.1f} s: it hangs; unplug it and plug it in again"
+                f" {reading.time_s - self._since_s:.1f} s and no longer responds; unplug it and plug it in"
+                " again"
             )
 
 

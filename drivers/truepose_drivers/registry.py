@@ -112,7 +112,7 @@ def _checked(name: str, candidate: object) -> DriverPlugin:
     if not isinstance(candidate.options, Mapping) or not all(
         isinstance(text, str) for item in candidate.options.items() for text in item
     ):
-        raise ConfigurationError("its options are no mapping from an option's name to a sentence")
+        raise ConfigurationError("its options are not a mapping from option names to descriptions")
     if not callable(candidate.open):
         raise ConfigurationError("its open cannot be called")
     return candidate

@@ -60,7 +60,7 @@ class AcmeGauge:
                 raise RemoteProtocolError(f"the gauge answers {line!r}: does it show millimetres?")
             return found.groups()
 
-        silence = f"the gauge at {self._conversation.address} says nothing: check its cable and power"
+        silence = f"the gauge at {self._conversation.address} does not respond: check its cable and power"
         return await self._conversation.ask(f"{word}\n".encode(), decode, timeout_s=1.0, silence=silence)
 
 

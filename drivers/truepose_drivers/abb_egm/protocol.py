@@ -78,7 +78,7 @@ def decode_robot(data: bytes) -> RobotFrame:
     message = _message(data)
     header = _message(_part(message, 1))
     if _number(header, 3) != MessageKind.DATA:
-        raise EgmProtocolError(f"a datagram of kind {_number(header, 3)} is none of a robot's")
+        raise EgmProtocolError(f"a datagram of kind {_number(header, 3)} does not come from a robot")
     return RobotFrame(
         sequence=_number(header, 1),
         time_ms=_number(header, 2),
@@ -134,7 +134,7 @@ def _one_of(kind: type[State], part: bytes) -> State:
     try:
         return kind(number)
     except ValueError as error:
-        raise EgmProtocolError(f"{number} is no state of the {kind.__name__.lower()}") from error
+        raise EgmProtocolError(f"{number} is not a state of the {kind.__name__.lower()}") from error
 
 
 def _number(message: dict[int, list[Value]], field: int) -> int:

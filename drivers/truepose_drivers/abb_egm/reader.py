@@ -14,7 +14,9 @@ from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import OnePortDevice, Source, drain, introduction
 from truepose_drivers.transports.udp import UdpPort
 
-EGM_OPTION: Final = f"UDP port that receives joint angles by EGM, often {EGM_PORT}; without it they are polled"
+EGM_OPTION: Final = (
+    f"UDP port that receives joint angles by EGM, often {EGM_PORT}; without it they are polled"
+)
 _FRESH_WITHIN_S: Final = 0.5  # wall time; a controller sends every 4 ms, or a few multiples of it
 # Doubles, of a standing arm that its servos hold.
 _STANDING_RAD: Final = 1e-6

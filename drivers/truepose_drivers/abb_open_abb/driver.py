@@ -183,8 +183,8 @@ class OpenAbbRobot(Arm):
         if not all(abs(has - should) <= _SPEED_ROUNDING for has, should in zip(stated, told, strict=True)):
             await self._link.close()
             raise DeviceRefusedError(
-                f"the robot was set to {told[0]:g} mm/s and {told[1]:g} deg/s and states {stated[0]:g} mm/s "
-                f"and {stated[1]:g} deg/s: look at the program on the pendant, then connect again"
+                f"the robot was set to {told[0]:g} mm/s and {told[1]:g} deg/s but reports {stated[0]:g} mm/s "
+                f"and {stated[1]:g} deg/s: check the program on the pendant, then connect again"
             )
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:

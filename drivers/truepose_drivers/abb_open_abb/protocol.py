@@ -235,9 +235,7 @@ def reply_numbers(reply: Reply, count: int) -> tuple[float, ...]:
     """Return the `count` numbers in a reply's text; raises OpenAbbProtocolError when it has others."""
     words = reply.text.split()
     if len(words) != count:
-        raise OpenAbbProtocolError(
-            f"the reply to {reply.code} is {reply.text!r}; expected {count} numbers"
-        )
+        raise OpenAbbProtocolError(f"the reply to {reply.code} is {reply.text!r}; expected {count} numbers")
     return tuple(_number(word) for word in words)
 
 

@@ -95,7 +95,7 @@ class RwsSession(OverPort):
     def _require_success(self, response: http.HttpResponse, asked: str) -> None:
         if response.status == _UNAUTHORISED:
             raise DeviceRefusedError(
-                f"the robot does not let user {self._login.user!r} in: check the options user and password"
+                f"the robot rejected user {self._login.user!r}: check the options user and password"
             )
         if not 200 <= response.status < 300:
             more = ": too many clients are connected, close some" if response.status == _BUSY else ""
@@ -121,9 +121,7 @@ class RwsSession(OverPort):
 
     async def _connect_anew_where_it_ends(self) -> None:
         if not self._conversation.is_open:
-            raise ConnectionLostError(
-                f"not connected to {self._conversation.address}: connect first"
-            )
+            raise ConnectionLostError(f"not connected to {self._conversation.address}: connect first")
         # Between two exchanges, never within one. The session lasts beyond its connection, in its cookies.
         if self._ends or self._requests >= _MOST_REQUESTS:
             await self._conversation.open()

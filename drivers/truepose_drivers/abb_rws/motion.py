@@ -100,7 +100,8 @@ class RapidProgram:
         state = await self._session.get(protocol.CONTROLLER_STATE, protocol.controller_state)
         if runs is protocol.Execution.STOPPED or state is not protocol.ControllerState.MOTORS_ON:
             raise NotInitialisedError(
-                f"the robot was stopped before it started to move ({state.value}): check the pendant, then confirm"
+                f"the robot was stopped before it started to move ({state.value}): check the pendant, then"
+                " confirm"
             )
 
     async def _require_ours(self) -> None:
@@ -110,7 +111,8 @@ class RapidProgram:
             name = ""
         if name != protocol.SERVER:
             raise NotInitialisedError(
-                "the robot is not running the program of truepose: load TruePoseRws.mod into task T_ROB1 from the pendant,"
+                "the robot does not run the truepose program: load TruePoseRws.mod into task T_ROB1 from"
+                " the pendant,"
                 " then confirm"
             )
 
@@ -129,7 +131,8 @@ class RapidProgram:
         while int((report := await self._report()).order[0]) != order.number:
             if now_s() > give_up_s:
                 raise NotInitialisedError(
-                    "the robot's program does not accept commands: check on the pendant why it stopped, then confirm"
+                    "the robot's program does not accept commands: check on the pendant why it stopped,"
+                    " then confirm"
                 )
             await asyncio.sleep(_BETWEEN_REPORTS_S)
         return report
@@ -167,7 +170,8 @@ class RapidProgram:
             return _ObservedMotion(course.start_deg, here_deg, now_s())
         if now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
-                f"the robot has not moved for {self._patience.stands_s:g} s and has not reached its target: check the"
+                f"the robot has not moved for {self._patience.stands_s:g} s and has not reached its target:"
+                " check the"
                 " pendant, then connect again"
             )
         return course

@@ -350,7 +350,7 @@ def decode_report(value: str) -> Report:
     """Read a report; raises RwsProtocolError."""
     progress, *order = numbers(value, 1 + _ORDER_NUMBERS)
     if progress not in set(Progress):
-        raise RwsProtocolError(f"the robot's program reports {progress:g}, which it does not know")
+        raise RwsProtocolError(f"the robot's program reports {progress:g}, which is not a known state")
     return Report(Progress(int(progress)), tuple(order))
 
 

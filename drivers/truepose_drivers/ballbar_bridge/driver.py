@@ -69,7 +69,7 @@ class BridgedBallbar(OnePortDevice):
     async def _next_value(self) -> BridgeReading:
         silence = (
             f"the ballbar bridge at {self._lines.address} sends no value for"
-            f" {self._value_timeout_s:g} s: check that the maker's software reads the ballbar"
+            f" {self._value_timeout_s:g} s: check that the manufacturer's software reads the ballbar"
         )
         self._lines.expect(self._value_timeout_s, silence)
         while (reading := self._take(await self._lines.next())) is None:

@@ -83,10 +83,10 @@ def _reading(document: dict[str, object]) -> BridgeReading:
     shown = document["deviation_mm"]
     deviation_mm = math.nan if shown is None else _number(shown, "deviation_mm")
     if abs(deviation_mm) > _FURTHEST_MM:
-        raise BridgeProtocolError(f"deviation_mm is {shown!r}: a deviation in millimetres was expected")
+        raise BridgeProtocolError(f"deviation_mm is {shown!r}: expected a deviation in millimetres")
     signal = document.get("signal", "none" if shown is None else "good")
     if signal not in _SIGNALS:
-        raise BridgeProtocolError(f"signal is {signal!r}; one of {', '.join(_SIGNALS)} was expected")
+        raise BridgeProtocolError(f"signal is {signal!r}; expected one of {', '.join(_SIGNALS)}")
     if shown is None and signal != "none":
         raise BridgeProtocolError(f"signal is {signal} and deviation_mm is null: a signal has a value")
     temperature, sequence = document.get("temperature_c"), document.get("sequence")
@@ -109,7 +109,7 @@ def _hello(document: dict[str, object]) -> Hello:
     for name, value in (("resolution_mm", resolution_mm), ("range_mm", range_mm)):
         if not 0.0 < value <= _FURTHEST_MM:
             raise BridgeProtocolError(
-                f"{name} is {value:g}: a positive number was expected, {_FURTHEST_MM:g} mm at most"
+                f"{name} is {value:g}: expected a positive number, {_FURTHEST_MM:g} mm at most"
             )
     return Hello(_text(document, "model"), _text(document, "serial"), resolution_mm, range_mm)
 

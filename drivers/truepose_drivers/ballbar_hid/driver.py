@@ -90,7 +90,8 @@ class HidBallbar(OnePortDevice):
         self._last = reading.sequence
         if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
             raise protocol.HidBallbarError(
-                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and reports a deviation of"
+                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and reports a"
+                " deviation of"
                 f" {reading.deviation_mm:g} mm off: check its cable"
             )
         return reading

@@ -240,7 +240,7 @@ def decode_reading(report: bytes) -> BarReading:
     _, counts, out, status, sequence, time_us, temperature = _unpack(_READING, INPUT_ID, report)
     if out > 1 or status & ~_KNOWN_STATUS:
         raise HidBallbarError(
-            f"report {report[: _READING.size].hex()} has bits that no ballbar sets: check its cable"
+            f"report {report[: _READING.size].hex()} has bits set that no ballbar uses: check its cable"
         )
     deviation_mm = math.nan if counts == _NO_VALUE else counts / COUNTS_PER_MM
     return BarReading(

@@ -247,6 +247,6 @@ def _named(places: Sequence[str]) -> Iterable[type[Bench]]:
 def _checked(place: str, thing: object) -> type[Bench]:
     if not isinstance(thing, type) or not issubclass(thing, Bench):
         raise ConfigurationError(
-            f"{place} is {thing!r}, and no subclass of truepose_drivers.contract.bench.Bench"
+            f"{place} is {thing!r}, not a subclass of truepose_drivers.contract.bench.Bench"
         )
     return thing

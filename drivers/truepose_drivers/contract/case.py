@@ -117,13 +117,13 @@ class Trial:
             broken(f"the driver still waited after {_PATIENCE_S:g} s")
         # Before DriverError, of which it is one: the guard says by it that a driver raised something foreign.
         except DriverFaultError as error:
-            broken(f"the driver raised what is no DriverError: {error}")
+            broken(f"the driver raised something other than a DriverError: {error}")
         except DriverError as error:
             return error
         except Exception as error:
-            broken(f"the driver raised {error!r}, which is no DriverError of truepose_drivers.errors")
+            broken(f"the driver raised {error!r}, which is not a DriverError of truepose_drivers.errors")
         if value is not None and not self.bench.is_right(value):
-            broken(f"the driver took {value} for a reading, and the device shows something else")
+            broken(f"the driver returned {value} as a reading, but the device shows something else")
         return value
 
     async def refuse(self) -> DriverError:
@@ -139,7 +139,7 @@ class Trial:
         if isinstance(taken, DriverError):
             broken(f"the driver refused a good reading: {taken!r}")
         if taken is None:
-            broken("the driver returned a reading without a value, and the device shows one")
+            broken("the driver returned a reading without a value, but the device shows one")
 
     async def recover(self) -> None:
         """See that the driver is in step again within two good exchanges."""

@@ -68,7 +68,7 @@ def require_found(new_bench: NewBench, faults: int, seed: int = 0) -> None:
     slow = max(found.lost_s, default=0.0) > lost_within_s or max(found.back_s, default=0.0) > BACK_WITHIN_S
     if slow or found.stale or found.left_open:
         shown = "\n  ".join((line(found), *found.examples))
-        broken(f"{found.driver} does not come to terms with faults of its link (seed {seed}):\n  {shown}")
+        broken(f"{found.driver} does not recover from faults of its link (seed {seed}):\n  {shown}")
 
 
 def line(found: RecoveryTally) -> str:
@@ -137,5 +137,5 @@ async def _back_s(trial: Trial) -> float:
     while isinstance(await trial.take(), DriverError):
         await asyncio.sleep(_RETRY_S)
         if now_s() - began_s > _GIVE_UP_S:
-            broken("the device is back, and the driver does not read it any more")
+            broken("the device is back, but the driver no longer reads it")
     return max(0.0, now_s() - began_s - trial.bench.measures_s)

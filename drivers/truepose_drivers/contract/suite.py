@@ -55,12 +55,12 @@ _MARKS = {"passed": "yes", "failed": "NO", "error": "NO", "skipped": "-"}
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Say which drivers are asked, and for how long."""
     group = parser.getgroup("truepose", "the contract of truepose's drivers")
-    group.addoption("--driver", action="append", help="ask this driver, may be repeated; all unless given")
+    group.addoption("--driver", action="append", help="test this driver, may be repeated; default: all")
     group.addoption(
         "--bench",
         action="append",
         default=[],
-        help="MODULE:NAME of a bench, or of a list of them, besides those of installed packages",
+        help="MODULE:NAME of a bench, or of a list of them, in addition to those of installed packages",
     )
     group.addoption(
         "--fuzz-inputs",

@@ -18,7 +18,8 @@ def test_the_bench_leaves_out_cases_that_there_are(driver: str, new_bench: NewBe
     """A case that the bench declares absent is one of the contract's, and has a reason."""
     if unknown := unknown_absences(new_bench(), CASES):
         pytest.fail(
-            f"`absent` of the bench of {driver} names what is no case or has no reason: {', '.join(unknown)}"
+            f"`absent` of the bench of {driver} names something that is not a case, or gives no reason:"
+            f" {', '.join(unknown)}"
         )
 
 

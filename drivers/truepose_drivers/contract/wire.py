@@ -197,7 +197,7 @@ class Wire:
         _, piece = self._arriving.popleft()
         if isinstance(piece, HangUp):
             await self.close()
-            raise ConnectionLostError("the connection to the bench is gone: check it, then connect again")
+            raise ConnectionLostError("the connection to the bench was lost: check it, then connect again")
         return piece
 
     async def _wait(self, give_up_s: float) -> None:

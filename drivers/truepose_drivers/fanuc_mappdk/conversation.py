@@ -31,7 +31,7 @@ class Dialogue(Turns):
                     )
         except NoReplyError as error:
             raise ConnectFailedError(
-                f"{self.address} does not greet: another client is served there, or it is no MAPPDK"
+                f"{self.address} sends no greeting: another client is connected, or it is not a MAPPDK server"
             ) from error
 
     async def ask(

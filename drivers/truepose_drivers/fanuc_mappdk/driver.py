@@ -191,7 +191,7 @@ class MappdkRobot(CountedArm):
             protocol.encode_request(protocol.Command.JOINTS), "joints", self._time_outs.reply_s
         )
         if reply.code != protocol.ReplyCode.OK:
-            raise DeviceRefusedError(f"the robot does not tell its joints: {reply.message}")
+            raise DeviceRefusedError(f"the robot does not report its joints: {reply.message}")
         return reply
 
     async def _have_watched(self) -> None:
@@ -201,7 +201,7 @@ class MappdkRobot(CountedArm):
             protocol.encode_watch(protocol.SILENCE_S), "success", self._time_outs.reply_s
         )
         if reply.code != protocol.ReplyCode.OK:
-            raise DeviceRefusedError(f"the robot does not watch its motions: {reply.message}")
+            raise DeviceRefusedError(f"the robot does not monitor its motions: {reply.message}")
         self._watching = True
 
     async def _moved(self, request: bytes, timeout_s: float) -> protocol.Reply:
@@ -219,9 +219,9 @@ class MappdkRobot(CountedArm):
         percent = self._pace.share_percent(steps_deg, self._limits)
         if percent < 1:
             raise DeviceRefusedError(
-                "MAPPDK has no speed below 1 % of the joints' maximum, and that is above the limits here:"
-                f" this motion must take {least_s:.0f} s or more; allow more speed, or load truepose's own"
-                " server program"
+                "MAPPDK has no speed below 1 % of the joints' maximum, which is above the limits:"
+                f" this motion must take {least_s:.0f} s or more; raise the speed limits, or load truepose's"
+                " own server program"
             )
         return (
             protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(target_deg, percent)),
@@ -246,8 +246,7 @@ def _open(options: Options, clock: Clock) -> MappdkRobot:
 _OPTIONS = {
     "host": "address of the controller",
     "port": f"TCP port of the motion server, default {protocol.MOTION_PORT}",
-    "logger_port": f"TCP port of the logger, default {protocol.LOGGER_PORT}; tells joints during"
-    " motions",
+    "logger_port": f"TCP port of the logger, default {protocol.LOGGER_PORT}; reports joints during motions",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,
 }

@@ -205,7 +205,7 @@ def encode_reply(reply: Reply) -> bytes:
     """Return the bytes of a reply; raises ValueError where clients could not take it apart."""
     text = f"{reply.code}:{reply.message}"
     if len(text) > LONGEST_MESSAGE_CHARS or ":" in reply.message:
-        raise ValueError(f"{text!r} is no reply: it is too long, or its message has a colon")
+        raise ValueError(f"{text!r} is not a reply: it is too long, or its message contains a colon")
     return text.encode("ascii")
 
 
@@ -214,7 +214,7 @@ def decode_reply(data: bytes) -> Reply:
     text = data.decode("ascii", errors="replace").rstrip("\r\n")
     code, colon, message = text.partition(":")
     if not colon or code not in {"0", "1"} or ":" in message or len(text) > LONGEST_MESSAGE_CHARS:
-        raise MappdkProtocolError(f"{text[:80]!r} is no reply of MAPPDK: code and message were expected")
+        raise MappdkProtocolError(f"{text[:80]!r} is not a MAPPDK reply: expected code and message")
     return Reply(int(code), message)
 
 
@@ -248,7 +248,9 @@ def require(reply: Reply, expected: Expected) -> None:
     if expected == "joints":
         joint_angles_deg(reply)
     elif (reply.message == _SUCCESS) != (expected == "success"):
-        raise MappdkProtocolError(f"the robot replied {reply.message[:80]!r}, not what was asked for")
+        raise MappdkProtocolError(
+            f"the robot replied {reply.message[:80]!r}, which does not answer the request"
+        )
 
 
 def encode_joints(angles_deg: Sequence[float], decimals: int = _FEWEST_DECIMALS) -> Reply:
@@ -286,7 +288,7 @@ def decode_identity(reply: Reply) -> tuple[str, str, str] | None:
         return None
     fields = reply.message.removesuffix(_END_OF_IDENTITY).split(",")
     if len(fields) != 4 or fields[0] != OUR_SERVER:
-        raise MappdkProtocolError(f"the robot calls itself {reply.message[:80]!r}, which is no identity")
+        raise MappdkProtocolError(f"the robot calls itself {reply.message[:80]!r}, which is not an identity")
     model, serial, version = (field.strip() for field in fields[1:])
     return model, serial, version
 
@@ -315,7 +317,9 @@ def _joint_texts(reply: Reply) -> list[str]:
         )
     decimals = set(map(_decimals, own))
     if len(decimals) > 1 or min(decimals) < _FEWEST_DECIMALS:
-        raise MappdkProtocolError(f"the robot reported {reply.message[:120]!r}: digits were lost or duplicated")
+        raise MappdkProtocolError(
+            f"the robot reported {reply.message[:120]!r}: digits were lost or duplicated"
+        )
     return own
 
 

@@ -85,7 +85,7 @@ class Exchanges(Conversation[protocol.Packet]):
     def _require_time(self, give_up_s: float) -> None:
         if now_s() > give_up_s:
             raise NoReplyError(
-                f"the robot at {self.address} does not report the end of its motion: check the pendant for"
+                f"the robot at {self.address} did not report the end of its motion: check the pendant for"
                 " a program on hold, then connect again"
             )
 
@@ -103,7 +103,7 @@ class Exchanges(Conversation[protocol.Packet]):
                 return ""
             case protocol.Kind.INSTRUCTION, _ if self.holds:
                 return ""  # of a motion that a fault has ended
-        raise protocol.RmiProtocolError(f"the robot said {packet.name}, which was not asked: connect again")
+        raise protocol.RmiProtocolError(f"the robot sent {packet.name} without a request: connect again")
 
 
 def _answers(packet: protocol.Packet, request: protocol.Packet) -> bool:
@@ -195,7 +195,7 @@ class Handover:
                 protocol.encode(_CONNECT),
                 _named_port,
                 timeout_s=self._reply_s,
-                silence=f"whoever is at {self.address} does not answer: is this the robot's address?",
+                silence=f"no answer from {self.address}: is this the robot's address?",
             )
         finally:
             await self._first.close()
@@ -211,5 +211,5 @@ def _named_port(answer: protocol.Packet) -> tuple[int, str]:
     if (answer.kind, answer.name) != (_CONNECT.kind, _CONNECT.name):
         raise protocol.RmiProtocolError(f"the robot answers {answer.name} to {_CONNECT.name}")
     if (error := protocol.error_of(answer)) != 0:
-        raise ConnectFailedError(f"the robot begins no session: {protocol.in_words(error)}")
+        raise ConnectFailedError(f"the robot started no session: {protocol.in_words(error)}")
     return protocol.handed_over(answer)

@@ -131,7 +131,7 @@ class RmiRobot(CountedArm):
             ):
                 if now_s() > give_up_s:
                     raise NoReplyError(
-                        "the robot repeats itself, or its clock stands still: check the controller, then"
+                        "the robot repeats old data, or its clock has stopped: check the controller, then"
                         " connect again"
                     )
                 await asyncio.sleep(0.002)
@@ -144,7 +144,7 @@ class RmiRobot(CountedArm):
             return True
         if stated.time_ms != before.time_ms:
             raise protocol.RmiProtocolError(
-                "the robot reports joints that are older than the last ones: connect again"
+                "the robot reports joints older than the last ones: connect again"
             )
         return False
 
@@ -158,7 +158,9 @@ class RmiRobot(CountedArm):
         """Have the controller take motions; raises NotInitialisedError."""
         status = await self._status()
         if status.pendant_on or status.single_step:
-            what = "switch its pendant off" if status.pendant_on else "end single steps on its pendant"
+            what = (
+                "switch its pendant off" if status.pendant_on else "turn off single-step mode on its pendant"
+            )
             raise NotInitialisedError(
                 f"the robot cannot move: {what}, set it to automatic mode, then confirm"
             )
@@ -178,8 +180,8 @@ class RmiRobot(CountedArm):
             await self._told(protocol.Command.RESET)
             if (error := await self._told(protocol.Command.INITIALIZE)) != 0:
                 raise NotInitialisedError(
-                    f"the robot takes no motions: {protocol.in_words(error)}{await self._shown_errors()};"
-                    " put that right at the pendant, then confirm"
+                    f"the robot accepts no motions: {protocol.in_words(error)}{await self._shown_errors()};"
+                    " correct this on the pendant, then confirm"
                 )
 
     async def _told(self, name: protocol.Command) -> int:
@@ -219,21 +221,25 @@ class RmiRobot(CountedArm):
         """Whether a speed override holds; raises NotInitialisedError where a fault holds the robot."""
         status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
         if self._exchanges.holds or not status.running:
-            raise NotInitialisedError("the robot was stopped during the motion: check the pendant, then confirm")
+            raise NotInitialisedError(
+                "the robot was stopped during the motion: check the pendant, then confirm"
+            )
         return status.override_percent == percent
 
     async def _lower_override(self, percent: int) -> None:
         await self._set_override(percent)
         if not await self._override_is(percent):
             raise DeviceRefusedError(
-                f"the robot does not keep a speed override of {percent} %: see that nobody else sets it"
+                f"the robot does not keep a speed override of {percent} %: make sure that nobody else sets it"
             )
 
     async def _set_override(self, percent: int) -> None:
         async with self._exchanges.turn():
             request = protocol.command(protocol.Command.OVERRIDE, Value=percent)
             if (error := protocol.error_of(await self._exchanges.reply_to(request, _REPLY_S))) != 0:
-                raise DeviceRefusedError(f"the robot keeps its speed override: {protocol.in_words(error)}")
+                raise DeviceRefusedError(
+                    f"the robot did not change its speed override: {protocol.in_words(error)}"
+                )
 
     async def _move(self, motion: protocol.JointMotion, target_deg: Angles) -> None:
         async with self._exchanges.turn():
@@ -248,9 +254,7 @@ class RmiRobot(CountedArm):
         why = f"{protocol.in_words(error)}{await self._shown_errors()}"
         if protocol.is_of_target(error):
             return target_refused(target_deg, f", as its pendant counts them: {why}")
-        return NotInitialisedError(
-            f"the robot broke off its motion: {why}; check the pendant, then confirm"
-        )
+        return NotInitialisedError(f"the robot aborted its motion: {why}; check the pendant, then confirm")
 
 
 def _open(options: Options, clock: Clock) -> RmiRobot:
@@ -266,7 +270,7 @@ def _open(options: Options, clock: Clock) -> RmiRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port at which sessions begin, default {protocol.CONNECT_PORT}",
+    "port": f"TCP port for new sessions, default {protocol.CONNECT_PORT}",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,
 }

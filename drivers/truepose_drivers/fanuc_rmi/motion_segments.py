@@ -61,7 +61,7 @@ def _shares(duration_s: float) -> list[float]:
     pieces = max(1, math.ceil(duration_s / LONGEST_PIECE_S))
     if pieces > _MOST_PIECES:
         raise DeviceRefusedError(
-            f"the motion would take {duration_s / 60.0:.0f} min: allow more speed, or raise the speed"
+            f"the motion would take {duration_s / 60.0:.0f} min: raise the speed limits, or the speed"
             " override on the pendant"
         )
     return [piece / pieces for piece in range(1, pieces + 1)]

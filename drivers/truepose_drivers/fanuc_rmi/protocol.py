@@ -44,14 +44,14 @@ class Packet:
         """Return a number of the packet; raises RmiProtocolError."""
         value = finite_number(self.fields.get(name))
         if value is None:
-            raise RmiProtocolError(f"{self.name} states {name} as {self.fields.get(name)!r}: no number")
+            raise RmiProtocolError(f"{self.name} states {name} as {self.fields.get(name)!r}: not a number")
         return value
 
     def whole(self, name: str) -> int:
         """Return a whole number of the packet; raises RmiProtocolError."""
         value = self.number(name)
         if value != int(value):
-            raise RmiProtocolError(f"{self.name} states {name} as {value!r}: no whole number")
+            raise RmiProtocolError(f"{self.name} states {name} as {value!r}: not a whole number")
         return int(value)
 
     def part(self, name: str) -> "Packet":
@@ -192,7 +192,7 @@ def handed_over(answer: Packet) -> tuple[int, str]:
     """Return the port at which the session goes on, and the version of the interface."""
     port = answer.whole("PortNumber")
     if not 1 <= port <= _HIGHEST_PORT:
-        raise RmiProtocolError(f"the controller sends to port {port}, which is none")
+        raise RmiProtocolError(f"the controller sends to port {port}, which is not a port")
     return port, f"RMI {answer.whole('MajorVersion')}.{answer.whole('MinorVersion')}"
 
 
@@ -312,13 +312,13 @@ _WORDS: Final[Mapping[int, str]] = {
     BAD_POSITION_DATA: "no such position",
     IN_HOLD: "it holds after an error",
     ALREADY_CONNECTED: "another program is connected to it",
-    WRONG_SEQUENCE: "the instruction is out of turn",
+    WRONG_SEQUENCE: "the instruction is out of sequence",
     BAD_SPEED_TYPE: "no such kind of speed",
     BAD_SPEED: "no such speed",
     BAD_DESTINATION: "the target cannot be reached",
     _FIRST + 43: "the pendant is set to single steps",
     7004: "its program RMI_MOVE is in use",
-    PROGRAM_EXISTS: "its program RMI_MOVE was left by a session that died: delete it on the pendant",
+    PROGRAM_EXISTS: "its program RMI_MOVE was left behind by a broken session: delete it on the pendant",
 }
 
 

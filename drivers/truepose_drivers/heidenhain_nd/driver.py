@@ -147,9 +147,7 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
     if isinstance(reply, protocol.Refusal):
         return replace(answers, refusals=answers.refusals + 1)
     if not isinstance(reply, protocol.Line):
-        raise protocol.NdProtocolError(
-            "the counter acknowledged a command that was not sent: connect again"
-        )
+        raise protocol.NdProtocolError("the counter acknowledged a command that was not sent: connect again")
     if not reply.opened:
         return answers  # an operator pressed PRINT meanwhile
     kind = protocol.reply_kind(reply)
@@ -165,7 +163,9 @@ def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
             return replace(answers, lamps=reply)
         case "text" if answers.error_text is None:
             return replace(answers, error_text=reply.text.strip())
-    raise protocol.NdProtocolError("the counter reported its error twice: one is a late reply to an earlier request")
+    raise protocol.NdProtocolError(
+        "the counter reported its error twice: one is a late reply to an earlier request"
+    )
 
 
 def _open(options: Options, clock: Clock) -> HeidenhainCounter:

@@ -175,9 +175,7 @@ def reply_kind(line: Line) -> Literal["value", "lamps", "text"]:
 def decode_count(line: Line) -> int:
     """Read the answer to A0200; raises NdProtocolError."""
     if not _VALUE.fullmatch(line.text):
-        raise NdProtocolError(
-            f"the counter answered A0200 with {line.text!r}; expected a sign and 9 digits"
-        )
+        raise NdProtocolError(f"the counter answered A0200 with {line.text!r}; expected a sign and 9 digits")
     return int(line.text)
 
 

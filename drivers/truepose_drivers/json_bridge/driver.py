@@ -93,7 +93,7 @@ def _scatter_mm(values: Values) -> float:
     """Return the total scatter, from the deviations where it is not stated; one of them must be."""
     if values.get("rms_mm") is None and values.get("deviation_mm") is None:
         raise protocol.BridgeError(
-            "neither rms_mm nor deviation_mm is given: how much did the samples scatter?"
+            "neither rms_mm nor deviation_mm is given: the scatter of the samples is missing"
         )
     if values.get("rms_mm") is None:
         return math.hypot(*_vector(values, "deviation_mm"))
@@ -187,7 +187,7 @@ class BridgedTracker(OnePortDevice):
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
         """Point at `near_mm` and lock on the reflector there; raises ReflectorNotFoundError."""
         if not all(map(math.isfinite, (*near_mm, search_radius_mm))) or search_radius_mm <= 0.0:
-            raise ConfigurationError(f"no instrument finds {near_mm} within {search_radius_mm} mm")
+            raise ConfigurationError(f"no instrument can search at {near_mm} within {search_radius_mm} mm")
         details = {"near_mm": list(near_mm), "radius_mm": search_radius_mm}
         await self._ask("find_reflector", self._of_ours, details)
 
@@ -239,7 +239,8 @@ class BridgedTracker(OnePortDevice):
             # initialised, and before a person has accepted it.
             before, self._serial = self._serial, None
             raise NotInitialisedError(
-                f"another instrument answers, {answer.serial} where {before} was made ready: initialise it"
+                f"a different instrument answers: {answer.serial}, but {before} was initialised: initialise"
+                " it"
             )
         return answer
 
@@ -253,7 +254,7 @@ class BridgedTracker(OnePortDevice):
     ) -> Value:
         if self._serial is None and ask not in ("hello", "initialise"):
             raise NotInitialisedError(
-                "it was not initialised since it was connected, or exchanged: initialise it"
+                "it has not been initialised since it was connected or exchanged: initialise it"
             )
         async with self._lines.turn():
             await self._pass_over_busy()
@@ -287,11 +288,13 @@ class BridgedTracker(OnePortDevice):
         """Read what arrived unasked: that it was at work, and nothing else."""
         async for line in self._lines.arrived():
             if not isinstance(protocol.decode_reply(line), protocol.Busy):
-                raise protocol.BridgeError(f"the bridge at {self._lines.address} sent more data than requested")
+                raise protocol.BridgeError(
+                    f"the bridge at {self._lines.address} sent more data than requested"
+                )
 
     def _silence(self, ask: protocol.Ask) -> str:
         return (
-            f"the bridge at {self._lines.address} did not answer {ask}: check that it and the maker's"
+            f"the bridge at {self._lines.address} did not answer {ask}: check that it and the manufacturer's"
             " software are running, then connect again"
         )
 

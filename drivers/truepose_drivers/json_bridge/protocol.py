@@ -74,7 +74,7 @@ def decode_question(line: bytes) -> Question:
     document = decode_object(line)
     ask = next((known for known in _ASKS if known == document.get("ask")), None)
     if ask is None:
-        raise BridgeError(f"ask is {document.get('ask')!r}; one of {', '.join(_ASKS)} was expected")
+        raise BridgeError(f"ask is {document.get('ask')!r}; expected one of {', '.join(_ASKS)}")
     details = {key: value for key, value in document.items() if key not in ("id", "ask")}
     return Question(_count(document, "id"), ask, MappingProxyType(details))
 

@@ -56,14 +56,14 @@ class VariableProxy(OverPort):
             answer = await self._answer(name)
             # The public server reads a variable that is not there as nothing, and says that it was done.
             if not answer.done or not answer.value:
-                raise DeviceRefusedError(f"the robot has no variable {name}, or does not tell it")
+                raise DeviceRefusedError(f"the robot has no variable {name}, or does not allow reading it")
             return decode(answer.value)
 
     async def write(self, name: str, value: str) -> None:
         """Write a variable; raises DeviceRefusedError where it cannot be written."""
         async with self._conversation.turn():
             if not (await self._answer(name, value)).done:
-                raise DeviceRefusedError(f"the robot does not let its variable {name} be set to {value}")
+                raise DeviceRefusedError(f"the robot does not allow its variable {name} to be set to {value}")
 
     async def _answer(self, name: str, value: str | None = None) -> protocol.Answer:
         """Send a request and return its answer, by number and mode."""
@@ -73,13 +73,14 @@ class VariableProxy(OverPort):
         await self._conversation.send(
             protocol.encode_request(request),
             timeout_s=self._reply_s,
-            silence=f"the proxy at {self._conversation.address} is connected but does not respond: see that its"
-            " program runs on the controller, then connect again",
+            silence=f"the proxy at {self._conversation.address} is connected but does not respond:"
+            " check that its program runs on the controller, then connect again",
         )
         answer = await self._conversation.next()
         if (answer.number, answer.mode) != (request.number, request.mode):
             raise protocol.ProxyProtocolError(
-                f"the proxy answers request {answer.number}, and {request.number} was asked: connect again"
+                f"the proxy answers request {answer.number}, but request {request.number} was sent: connect"
+                " again"
             )
         if not await self._conversation.is_quiet():
             raise protocol.ProxyProtocolError("the proxy sent more data than requested: connect again")
@@ -132,7 +133,9 @@ class Program:
                 f"the program TRUEPOSE is not on the controller: load it, {_START}"
             ) from error
         if state.moves:
-            raise NotInitialisedError("the robot is still moving, or stopped during a motion: wait for it, then confirm")
+            raise NotInitialisedError(
+                "the robot is still moving, or stopped during a motion: wait for it, then confirm"
+            )
         return state
 
     async def give(self, order: Order) -> None:
@@ -148,8 +151,8 @@ class Program:
         if not speeds or _off_deg(stands_deg, order.axes_deg) > protocol.STEP_DEG:
             await self._proxy.close()
             raise protocol.ProxyProtocolError(
-                "the robot does not keep what is written to the variables of TRUEPOSE: see that no other"
-                " program writes them, then connect again"
+                "the robot does not keep what is written to the variables of TRUEPOSE: make sure that no"
+                " other program writes them, then connect again"
             )
 
     async def carry_out(self, number: int, longest_s: float) -> None:
@@ -160,7 +163,7 @@ class Program:
             if now_s() - ordered_s > longest_s:
                 await self._proxy.close()
                 raise NoReplyError(
-                    "the robot has not arrived in time: look at its pendant for a paused program, then"
+                    "the robot did not reach its target in time: check its pendant for a paused program, then"
                     " connect again"
                 )
             await asyncio.sleep(protocol.BEAT_S)
@@ -170,7 +173,7 @@ class Program:
         await self._proxy.write(protocol.Variable.BEAT, str(self._beat))
         state = await self._proxy.read(protocol.Variable.STATE, protocol.decode_state)
         if state.refused == number:
-            raise TargetRefusedError("the robot refused it as out of the ranges of its axes")
+            raise TargetRefusedError("the robot refused it as outside its axis ranges")
         if state.given_up == number:
             raise stopped_unheard(protocol.SILENCE_S)
         if state.begun != number and since_s > _BEGINS_WITHIN_S:
@@ -183,7 +186,7 @@ class Program:
         state = await self._proxy.read(protocol.Variable.PROGRAM_STATE, protocol.decode_text)
         if state != protocol.ACTIVE:
             raise NotInitialisedError(
-                f"the robot stopped during the motion ({state}): look at the messages on its pendant, reset"
+                f"the robot stopped during the motion ({state}): check the messages on its pendant, reset"
                 f" TRUEPOSE, {_START}"
             )
 

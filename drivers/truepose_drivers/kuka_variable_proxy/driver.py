@@ -54,7 +54,7 @@ class KukaRobot(CountedArm):
     async def connect(self) -> None:
         """Open the link and see that a robot is behind it; raises ConnectFailedError."""
         await self._proxy.open()
-        async with introduction(self._proxy, "check that this is a controller of KUKA"):
+        async with introduction(self._proxy, "check that this is a KUKA controller"):
             await self._axes_deg()
 
     async def identify(self) -> DeviceIdentity:

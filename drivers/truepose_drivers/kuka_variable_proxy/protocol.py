@@ -71,7 +71,9 @@ class FrameReader(StreamReader):
             return None
         number, size, mode = _HEAD.unpack_from(self._buffer)
         if not _AFTER_SIZE <= size <= _LONGEST or mode not in Mode.__members__.values():
-            raise ProxyProtocolError(f"{bytes(self._buffer[:12])!r} begins no frame of the variable proxy")
+            raise ProxyProtocolError(
+                f"{bytes(self._buffer[:12])!r} is not the start of a variable proxy frame"
+            )
         end = _HEAD.size - _AFTER_SIZE + size
         if len(self._buffer) < end:
             return None
@@ -89,7 +91,7 @@ class AnswerReader(FrameReader):
         number, mode, content = frame
         tail = content[-_TAIL_BYTES:]
         if tail not in _TAILS:
-            raise ProxyProtocolError(f"{content!r} does not say whether it was done")
+            raise ProxyProtocolError(f"{content!r} does not say whether it succeeded")
         value, rest = _block(content[:-_TAIL_BYTES])
         _require_end(rest)
         return Answer(number, mode, value, _TAILS[tail])
@@ -127,7 +129,7 @@ def encode_answer(answer: Answer) -> bytes:
 def _encode(number: int, mode: Mode, content: bytes) -> bytes:
     size = _AFTER_SIZE + len(content)
     if size > _LONGEST:
-        raise ValueError(f"a frame of {size} bytes is longer than the proxy reads")
+        raise ValueError(f"a frame of {size} bytes is longer than the proxy accepts")
     return _HEAD.pack(number, size, mode) + content
 
 
@@ -149,7 +151,7 @@ def _block(content: bytes) -> tuple[str, bytes]:
 
 def _require_end(rest: bytes) -> None:
     if rest:
-        raise ProxyProtocolError(f"{rest[:40]!r} stands behind the end of a frame")
+        raise ProxyProtocolError(f"{rest[:40]!r} follows the end of a frame")
 
 
 JOINTS: Final = 6

@@ -162,7 +162,8 @@ class TrackerConversation:
                 return packet
             if not self._takes_time and _is_at_leisure(packet):
                 raise NoReplyError(
-                    f"the tracker at {self._frames.address} is there, and its answer is lost: connect again"
+                    f"the tracker at {self._frames.address} is connected, but its answer was lost: connect"
+                    " again"
                 )
 
     async def _ask_for_sign_of_life(self) -> None:
@@ -171,7 +172,7 @@ class TrackerConversation:
             return
         if self._owes_sign:
             raise NoReplyError(
-                f"the tracker at {self._frames.address} says nothing any more, not even that it is busy:"
+                f"the tracker at {self._frames.address} has stopped sending, even its busy messages:"
                 " check its power and cable, then connect again"
             )
         self._owes_sign = True

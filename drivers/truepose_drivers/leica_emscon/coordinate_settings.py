@@ -94,7 +94,7 @@ class CoordinateSettings:
             wrong = _off(found, item.wanted)
             if wrong is not None:
                 raise DeviceRefusedError(
-                    f"the tracker did not take over its {item.name} ({wrong}): close every other program that"
+                    f"the tracker did not accept its {item.name} ({wrong}): close every other program that"
                     " is connected to it, then initialise"
                 )
             self._found[item.getter] = found
@@ -110,8 +110,8 @@ class CoordinateSettings:
             wrong = _off(found, item.wanted) or _off(found, Record({k: before[k] for k in item.kept}))
             if wrong is not None:
                 raise NotInitialisedError(
-                    f"another program changed the {item.name} of the tracker ({wrong}), so what it measures"
-                    " means something else: close that program, then initialise the tracker"
+                    f"another program changed the {item.name} of the tracker ({wrong}), so its readings have"
+                    " a different meaning: close that program, then initialise the tracker"
                 )
 
     async def _read_back(self, item: Setting) -> Record | None:
@@ -120,7 +120,7 @@ class CoordinateSettings:
         except CommandUnknownError as error:
             if item.required:
                 raise DeviceRefusedError(
-                    f"the tracker does not tell its {item.name}: a number without unit is no length"
+                    f"the tracker does not report its {item.name}: without a unit, a number is not a length"
                 ) from error
             return None
 

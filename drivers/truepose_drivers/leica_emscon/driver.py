@@ -130,7 +130,9 @@ class LaserTracker(EmsconInstrument):
 
     async def _set_search_radius(self, radius_mm: float) -> None:
         if not (math.isfinite(radius_mm) and radius_mm > 0.0):
-            raise ConfigurationError(f"a search radius of {radius_mm} mm finds nothing: give a positive one")
+            raise ConfigurationError(
+                f"a search radius of {radius_mm} mm finds nothing: enter a positive radius"
+            )
         if radius_mm == self._search_radius_mm:
             return
         params = Record(search_radius=radius_mm, time_out=_SEARCH_TIMEOUT_MS)
@@ -144,7 +146,7 @@ class LaserTracker(EmsconInstrument):
             case TrackerFace.FACE_2:
                 return 2
             case other:
-                raise RemoteProtocolError(f"the tracker says it stands in face {other}; expected 1 or 2")
+                raise RemoteProtocolError(f"the tracker reports face {other}; expected 1 or 2")
 
     async def _ask_for_covariances(self) -> None:
         """Have results carry the covariance of the point; older trackers state deviations only."""
@@ -157,10 +159,10 @@ class LaserTracker(EmsconInstrument):
     def _require_fit(self, values: Record) -> None:
         """Raise RemoteProtocolError for a result of another mode, or one that is no point."""
         if values.integer("meas_mode") != MeasMode.STATIONARY or values.integer("is_try_mode"):
-            raise RemoteProtocolError("the tracker measured in another mode than asked for: initialise it")
+            raise RemoteProtocolError("the tracker measured in a mode other than requested: initialise it")
         point = values.vector()
         if not all(map(math.isfinite, point)):
-            raise RemoteProtocolError(f"the tracker measured {point}: that is no point")
+            raise RemoteProtocolError(f"the tracker measured {point}: not a valid point")
         require_deviations(values, "std1", "std2", "std3", "std_total")
 
     async def _place_of(self, values: Record) -> Vector:
@@ -206,6 +208,6 @@ def _open(options: Options, clock: Clock) -> LaserTracker:
 _OPTIONS = {
     "host": "address of the tracker controller, often 192.168.0.1",
     "port": f"TCP port, default {DEFAULT_PORT}",
-    "reflector": "name of the reflector as stored in the tracker; the one set there if left out",
+    "reflector": "name of the reflector as stored in the tracker; default: the one set in the tracker",
 }
 PLUGIN = DriverPlugin("leica_emscon", "tracker", "emscon", _OPTIONS, _open)

@@ -33,7 +33,8 @@ _BUSY: Mapping[int, str] = {
     ResultStatus.IN_COMPENSATION_MODE: "a compensation is under way: finish it at the tracker's own program",
     ResultStatus.ADM_START_UP_BUSY: "its distance meter is starting up: wait a minute, then repeat",
     ResultStatus.SENSOR_NOT_WARMED_UP: "it is not warmed up: wait until it is, then initialise",
-    ResultStatus.SENSOR_NOT_STABLE: "it is not stable: wait until nothing shakes its stand, then repeat",
+    ResultStatus.SENSOR_NOT_STABLE: "it is not stable: wait until its stand is free of vibration, then"
+    " repeat",
     ResultStatus.SYSTEM_NOT_READY_FOR_MEASUREMENT: "it is not ready to measure: wait, then repeat",
 }
 
@@ -58,16 +59,19 @@ _REFUSED: Mapping[int, str] = {
     ResultStatus.ADM_HARDWARE_PROBLEM: "its distance meter is defective: have it serviced",
     ResultStatus.ATR_HARDWARE_PROBLEM: "its target recognition is defective: have it serviced",
     ResultStatus.LICENSE_EXPIRED: "its licence has expired: ask the manufacturer",
-    ResultStatus.MODE_NOT_ALLOWED_6D: "it cannot measure poses as it is: check its camera and the probe",
-    ResultStatus.NO_MEASUREMENTCAMERA: "it has no camera for probes: put it on",
-    ResultStatus.NO_ACTIVE_MEASUREMENTCAMERA: "its camera for probes is not active: see its own program",
+    ResultStatus.MODE_NOT_ALLOWED_6D: "it cannot measure poses in its present state: check its camera and"
+    " the probe",
+    ResultStatus.NO_MEASUREMENTCAMERA: "it has no probe camera: mount it",
+    ResultStatus.NO_ACTIVE_MEASUREMENTCAMERA: "its probe camera is not active: activate it in the tracker's"
+    " own program",
     ResultStatus.COMMUNICATION_WITH_MEASUREMENTCAMERA_FAILED: "it cannot reach its camera: check the cable",
-    ResultStatus.NO_CAMERA_TO_TRACKER_COMP_SET: "its camera is not compensated: see its own program",
-    ResultStatus.NO_MEASUREMENTPROBE: "it sees no probe: lead the beam to the probe",
-    ResultStatus.NO_ACTIVE_MEASUREMENTPROBE: "it sees no probe: lead the beam to the probe",
+    ResultStatus.NO_CAMERA_TO_TRACKER_COMP_SET: "its camera is not compensated: see the tracker's own"
+    " program",
+    ResultStatus.NO_MEASUREMENTPROBE: "it does not see a probe: guide the beam to the probe",
+    ResultStatus.NO_ACTIVE_MEASUREMENTPROBE: "it does not see a probe: guide the beam to the probe",
     ResultStatus.COMMUNICATION_WITH_MEASUREMENTPROBE_FAILED: "it cannot reach the probe: switch the probe on",
     ResultStatus.NO_MEASUREMENTPROBE_COMP_SET: "the probe is not compensated: see the tracker's own program",
-    ResultStatus.MEASUREMENT_FACE2_NOT_ALLOWED_6D: "it stands in face 2, poses take face 1: change the face",
+    ResultStatus.MEASUREMENT_FACE2_NOT_ALLOWED_6D: "it is in face 2, but poses need face 1: change the face",
 }
 
 _WRONG_PARAMETERS = frozenset({
@@ -111,13 +115,13 @@ def error_for(command: int, status: int, purpose: Purpose) -> DriverError:
     if status == ResultStatus.TRACKER_NOT_INITIALIZED:
         return NotInitialisedError(f"the tracker refused {name}: it is not initialised, initialise it first")
     if status == ResultStatus.NOT_IMPLEMENTED:
-        return CommandUnknownError(f"the tracker refused {name}: this model does not know the command")
+        return CommandUnknownError(f"the tracker refused {name}: this model does not support the command")
     # Before the refusals, which know these statuses too: during a measurement they mean a hidden probe, which
     # a person can clear, and not a tracker without one.
     if purpose == "measure_pose" and status in _NO_PROBE:
         return ArtefactNotSeenError(
             f"the tracker does not see the probe ({name}, {_status_name(status)}): clear the line of sight,"
-            " lead the beam to the probe, then repeat the configuration"
+            " guide the beam to the probe, then repeat the configuration"
         )
     if status in _REFUSED:
         return DeviceRefusedError(f"the tracker refused {name}: {_REFUSED[status]}")
@@ -125,12 +129,12 @@ def error_for(command: int, status: int, purpose: Purpose) -> DriverError:
         return DeviceRefusedError(f"the tracker refused a value of {name} ({_status_name(status)})")
     if purpose == "find" and status in _NO_REFLECTOR:
         return ReflectorNotFoundError(
-            f"no reflector found where the tracker looked ({name}, {_status_name(status)}):"
-            " check that it sits in its nest, faces the tracker and nothing is in between"
+            f"no reflector found where the tracker searched ({name}, {_status_name(status)}):"
+            " check that it sits in its nest, faces the tracker and nothing blocks the beam"
         )
     if purpose == "measure" and status in _NO_REFLECTOR:
         return BeamBrokenError(
-            f"the beam was broken or the reflector lost ({name}, {_status_name(status)}):"
+            f"the beam was interrupted or the reflector was lost ({name}, {_status_name(status)}):"
             " clear the line of sight, then repeat the configuration"
         )
     return _other(name, status, purpose)

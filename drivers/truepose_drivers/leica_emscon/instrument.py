@@ -157,7 +157,7 @@ class EmsconInstrument(OnePortDevice, ABC):
         await self._conversation.ask(Request(Command.INITIALIZE), timeout_s=self._time_outs.initialise_s)
         if not await self._is_started_up():
             raise NotInitialisedError(
-                "the tracker did not come up after Initialize: look at its own status display"
+                "the tracker did not come up after Initialize: check its own status display"
             )
 
     async def _is_started_up(self) -> bool:
@@ -185,7 +185,9 @@ class EmsconInstrument(OnePortDevice, ABC):
         if not self._prepared:
             # Also where a program before us had started it up: its units, frame and reflector are not known
             # to be ours.
-            raise NotInitialisedError("the tracker was not initialised since it was connected: do so first")
+            raise NotInitialisedError(
+                "the tracker has not been initialised since it was connected: initialise it first"
+            )
         if self._conversation.take_changes() & TELLING_CHANGES:
             await self._require_settled(everything=True)
 
@@ -211,7 +213,9 @@ class EmsconInstrument(OnePortDevice, ABC):
                 await self._require_new(values)
                 return values
             await self._require_settled(everything=True)
-        raise BusyError("another program changes the tracker while it measures: close that program")
+        raise BusyError(
+            "another program changed settings of the tracker during a measurement: close that program"
+        )
 
     async def _require_new(self, values: Record) -> None:
         """See that a result is of what was asked for, and none of an earlier measurement."""

@@ -33,21 +33,21 @@ _POSITION: Final = ("position1", "position2", "position3")
 
 _UNFIT: Mapping[protocol.RotationStatus, DriverError] = {
     protocol.RotationStatus.FROZEN: RemoteProtocolError(
-        "the tracker repeats a frozen orientation: connect again"
+        "the tracker repeats an old orientation: connect again"
     ),
     protocol.RotationStatus.NOT_ENOUGH_LEDS: ArtefactNotSeenError(
-        "the tracker's camera sees too few lamps of the probe: clear its view, turn the probe towards it,"
+        "the tracker's camera sees too few LEDs of the probe: clear its view, turn the probe towards it,"
         " then repeat the configuration"
     ),
     protocol.RotationStatus.RMS_TOO_HIGH: ArtefactNotSeenError(
-        "the lamps of the probe do not fit its compensation: clear the view of the camera, then repeat the"
-        " configuration; if it comes back, have the probe compensated"
+        "the LEDs of the probe do not fit its compensation: clear the view of the camera, then repeat the"
+        " configuration; if it happens again, have the probe compensated"
     ),
     protocol.RotationStatus.ANGLE_OUT_OF_RANGE: OutOfVolumeError(
-        "the probe is turned too far away from the tracker: choose another configuration"
+        "the probe points too far away from the tracker: choose another configuration"
     ),
     protocol.RotationStatus.DISTANCE_OUT_OF_RANGE: OutOfVolumeError(
-        "the probe is too near to the tracker or too far from it: choose another configuration"
+        "the probe is too close to the tracker or too far from it: choose another configuration"
     ),
 }
 
@@ -55,13 +55,13 @@ _UNFIT: Mapping[protocol.RotationStatus, DriverError] = {
 def require_stationary_pose(values: protocol.Record) -> None:
     """Raise RemoteProtocolError for a result that is no pose, MeasurementFailedError for an unfit one."""
     if values.integer("meas_mode") != MeasMode.STATIONARY_6D or values.integer("is_try_mode"):
-        raise RemoteProtocolError("the tracker measured in another mode than asked for: initialise it")
+        raise RemoteProtocolError("the tracker measured in a mode other than requested: initialise it")
     if values.integer("tip_status") != MeasurementTipStatus.TIP_OK:
         raise DeviceRefusedError("the probe has a tip that the tracker does not know, or several: remove it")
     _require_fit(values.integer("rotation_status"))
     position_mm = values.vector(*_POSITION)
     if not all(map(math.isfinite, (*position_mm, *values.vector(*_ANGLES)))):
-        raise RemoteProtocolError(f"the tracker measured {position_mm}: that is no position")
+        raise RemoteProtocolError(f"the tracker measured {position_mm}: not a valid position")
     unit_quaternion(values)
     require_deviations(values, *_DEVIATIONS, _TURN_DEVIATION)
 
@@ -82,7 +82,7 @@ def _require_fit(status: int) -> None:
             raise type(error)(*error.args)
     if status & protocol.RotationStatus.ERROR or not status & protocol.RotationStatus.VALID:
         raise ArtefactNotSeenError(
-            "the tracker does not vouch for the orientation of the probe: clear the line of sight, then"
+            "the tracker marks the orientation of the probe as unreliable: clear the line of sight, then"
             " repeat the configuration"
         )
 
@@ -132,7 +132,7 @@ class ProbeTracker(EmsconInstrument):
             await self._prepare(protocol.Record(meas_mode=MeasMode.STATIONARY_6D))
         except CommandUnknownError as error:
             raise DeviceRefusedError(
-                f"this tracker measures points and no poses ({error}): use the driver leica_emscon"
+                f"this tracker measures points, not poses ({error}): use the driver leica_emscon"
             ) from error
         await self._catch_the_beam_again()
         probe = await self._present_probe()
@@ -177,7 +177,7 @@ class ProbeTracker(EmsconInstrument):
         for probe in known:
             if probe["internal_probe_id"] == present:
                 return self._required(probe)
-        raise DeviceRefusedError("the tracker sees no probe that it knows: lead the beam to the probe")
+        raise DeviceRefusedError("the tracker does not see a known probe: guide the beam to the probe")
 
     def _required(self, probe: protocol.Record) -> protocol.Record:
         name = probe.text("name")
@@ -194,7 +194,8 @@ class ProbeTracker(EmsconInstrument):
         if values["internal_probe_id"] != self._probe_id or self._tip not in (None, tip):
             self._prepared = False
             raise NotInitialisedError(
-                "the tracker measured another probe or tip than before, which is another frame: initialise it"
+                "the tracker measured another probe or tip than before, so the measurements have a"
+                " different frame: initialise it"
             )
         self._tip = tip
 
@@ -220,6 +221,6 @@ def _open(options: Options, clock: Clock) -> ProbeTracker:
 _OPTIONS = {
     "host": "address of the tracker controller, often 192.168.0.1",
     "port": f"TCP port, default {protocol.DEFAULT_PORT}",
-    "probe": "name of the probe as stored in the tracker; whichever the beam is on if left out",
+    "probe": "name of the probe as stored in the tracker; default: the one that the beam is on",
 }
 PLUGIN = DriverPlugin("leica_emscon_6d", "pose_tracker", "emscon", _OPTIONS, _open)

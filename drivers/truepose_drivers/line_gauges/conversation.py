@@ -69,7 +69,8 @@ def _reversed(options: Options) -> bool:
 
 SHARED_OPTIONS: Final[Mapping[str, str]] = {
     "channels": "channels in use, one gauge each, such as 1 2 3; default 1",
-    "range_mm": "range to either side of zero; values beyond it are out of range; default: as the box reports",
+    "range_mm": "range to either side of zero; values beyond it are out of range; default: as the box"
+    " reports",
     "reversed": "true if the value rises as the plunger extends; default false",
     "decimals": "decimal places in millimetres; default: taken from the first values",
 }

@@ -120,7 +120,7 @@ class ValueForm:
         if value.form != self._form:
             raise self._error(
                 f"the gauge sends {value.decimals} decimal places, {value.width} characters in all,"
-                f" where {self._expected} belong: it shows inches, or characters were lost; set it to"
+                f" instead of {self._expected}: it shows inches, or characters were lost; set it to"
                 " millimetres, and for another gauge on this cable start the service again"
             )
 

@@ -53,7 +53,8 @@ class EhCounter:
         # apart.
         if reply.mode != "N":
             raise LineGaugeError(
-                f"channel {channel} is set to hold its maximum, minimum or range (G{reply.mode}), not its value:"
+                f"channel {channel} is set to hold its maximum, minimum or range (G{reply.mode}), not its"
+                " value:"
                 " set the counter to normal measurement"
             )
         return Display(reply.value)

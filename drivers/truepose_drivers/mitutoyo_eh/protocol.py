@@ -82,7 +82,9 @@ def decode(line: str) -> Reply:
         return Refusal(int(match[1]), match[2])
     if match := _DONE.fullmatch(line):
         return Done(int(match[1]))
-    raise LineGaugeError(f"{line[:40]!r} is not a line from an EH counter: check its rate and its output mode")
+    raise LineGaugeError(
+        f"{line[:40]!r} is not a line from an EH counter: check its rate and its output mode"
+    )
 
 
 def decode_question(line: str) -> Question | None:

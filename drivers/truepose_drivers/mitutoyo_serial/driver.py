@@ -44,7 +44,7 @@ def _display(reply: protocol.Reply, channel: int) -> Display:
         return Display(None)
     if reply.channel != channel:
         raise LineGaugeError(
-            f"channel {reply.channel} answered, and channel {channel} was asked:"
+            f"channel {reply.channel} answered, but channel {channel} was requested:"
             " it is a late reply, or the box numbers its channels differently"
         )
     return Display(reply.value)

@@ -130,7 +130,7 @@ def _open(options: Options, clock: Clock) -> UsbItnGauge:
 
 
 _OPTIONS = {
-    "usb": f"vendor:product[:serial number], {_ANY_CABLE} unless given, or usbip://host[:port]/busid",
+    "usb": f"vendor:product[:serial number], default {_ANY_CABLE}, or usbip://host[:port]/busid",
     "host": "instead of usb: address of a USB/IP server whose only device it is",
     "port": "TCP port of the USB/IP server, default 3240",
     "range_mm": "range to either side of zero; values beyond it are out of range; default 1.0",

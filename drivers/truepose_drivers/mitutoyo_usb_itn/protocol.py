@@ -84,7 +84,9 @@ class ReplyReader(StreamReader):
         """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""
         end = self._buffer.find(_END)
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:
-            raise ItnProtocolError(f"{bytes(self._buffer[:20])!r}... does not end: the device is not a USB-ITN cable")
+            raise ItnProtocolError(
+                f"{bytes(self._buffer[:20])!r}... does not end: the device is not a USB-ITN cable"
+            )
         if end < 0:
             return None
         return decode(self._take(end, drop=len(_END)))

@@ -145,8 +145,8 @@ class PolarisTracker(OnePortDevice):
             if tool.frame < self._frame or now_s() >= give_up_s:
                 await self.close()
                 raise NoReplyError(
-                    f"the frames of the camera do not go on (frame {tool.frame} after {self._frame}), so"
-                    " what it states is old: check that it is still running, then connect again"
+                    f"the frames of the camera do not advance (frame {tool.frame} after {self._frame}), so"
+                    " its data is old: check that it is still running, then connect again"
                 )
             await asyncio.sleep(_POLL_S)
 
@@ -157,7 +157,7 @@ class PolarisTracker(OnePortDevice):
         if len(ours) != 1 or ours[0].disabled:
             self._handle = None
             raise NotInitialisedError(
-                "the camera does not follow the artefact any more: close every other program that is"
+                "the camera no longer tracks the artefact: close every other program that is"
                 " connected to it, then initialise it"
             )
         return ours[0]
@@ -196,7 +196,9 @@ class PolarisTracker(OnePortDevice):
 
     def _required_handle(self) -> int:
         if self._handle is None:
-            raise NotInitialisedError("the camera was not initialised since it was connected: do so first")
+            raise NotInitialisedError(
+                "the camera has not been initialised since it was connected: initialise it first"
+            )
         return self._handle
 
     async def _okay(self, request: protocol.Request, *, timeout_s: float = _REPLY_TIMEOUT_S) -> None:
@@ -234,9 +236,7 @@ class PolarisTracker(OnePortDevice):
 
 def _text(reply: protocol.Reply) -> protocol.Text:
     if not isinstance(reply, protocol.Text):
-        raise protocol.NdiProtocolError(
-            "the camera answered with a frame that nobody asked for: connect again"
-        )
+        raise protocol.NdiProtocolError("the camera sent a frame without a request: connect again")
     return reply
 
 
@@ -251,13 +251,13 @@ def _text_tools(reply: protocol.Reply) -> list[protocol.ToolFrame]:
 def _okayed(reply: protocol.Reply) -> None:
     if reply != protocol.OKAY:
         raise protocol.NdiProtocolError(
-            f"the camera answered {_text(reply).text[:40]!r} where it had to agree"
+            f"the camera answered {_text(reply).text[:40]!r} instead of an acknowledgement"
         )
 
 
 def _binary(reply: protocol.Reply) -> protocol.Binary:
     if not isinstance(reply, protocol.Binary):
-        raise protocol.NdiProtocolError(f"the camera answered {reply.text[:40]!r} where a frame was expected")
+        raise protocol.NdiProtocolError(f"the camera answered {reply.text[:40]!r} instead of a frame")
     return reply
 
 
@@ -285,8 +285,8 @@ def _require_seen(seen: int, lost: Counter[_Lost]) -> None:
         )
     where = "outside" if reason == "outside" else "partly outside"
     raise OutOfVolumeError(
-        f"the artefact stood {where} the camera's measuring volume {share}: choose another configuration,"
-        " or place the camera anew"
+        f"the artefact was {where} the camera's measuring volume {share}: choose another configuration,"
+        " or reposition the camera"
     )
 
 
@@ -314,14 +314,14 @@ def _definition(options: Options) -> bytes:
         raise ConfigurationError(f"option tool_file: {name} cannot be read ({error.strerror})") from error
     if not 0 < len(definition) <= protocol.LARGEST_DEFINITION:
         raise ConfigurationError(
-            f"option tool_file: {name} is no tool definition, which has 1 to"
+            f"option tool_file: {name} is not a tool definition, which has 1 to"
             f" {protocol.LARGEST_DEFINITION} bytes"
         )
     return definition
 
 
 _OPTIONS = {
-    "host": "address of the camera, by its label or its maker's tool",
+    "host": "address of the camera, by its label or the manufacturer's tool",
     "serial": "serial port instead, of a camera without Ethernet",
     "port": f"TCP port, default {protocol.DEFAULT_PORT}",
     "tool_file": "file with the artefact's tool definition (.rom)",

@@ -12,7 +12,7 @@ from truepose_drivers.errors import (
 from truepose_drivers.ndi_polaris.protocol import NdiProtocolError
 
 _NOT_INITIALISED: Mapping[int, str] = {
-    0x08: "it does not know the port handle any more",
+    0x08: "it no longer knows the port handle",
     0x0C: "it is not tracking",
     0x0E: "the artefact is not initialised",
     0x0F: "the artefact is not enabled",
@@ -27,12 +27,12 @@ _DAMAGED: Mapping[int, str] = {
 }
 _REFUSED: Mapping[int, str] = {
     0x0D: "there is no tool in the port",
-    0x12: "it cannot start tracking: look at its status lamps",
+    0x12: "it cannot start tracking: check its status LEDs",
     0x13: "it cannot use the definition of the artefact: check the file in option tool_file",
     0x1F: "it cannot store the definition of the artefact: switch it off and on",
     0x28: "too many tools are loaded: close the other programs that use it",
     0x2D: "it has no free port handle: close the other programs that use it",
-    0x39: "another program has it: close that one first",
+    0x39: "another program is using it: close that one first",
     0x42: "no sensor is connected to its controller: check the cable",
 }
 
@@ -45,7 +45,7 @@ def refusal(command: str, code: int) -> DriverError:
     """Return the error that a refusal means."""
     begin = f"the camera refused {command} (error {code:02X}): "
     if code in (0x01, 0x33, 0x34):
-        return CommandUnknownError(f"{begin}this model does not know it")
+        return CommandUnknownError(f"{begin}this model does not support it")
     if code == 0x05:
         return BusyError(f"{begin}it took too long: wait, then repeat")
     if code in _NOT_INITIALISED:

@@ -177,23 +177,19 @@ class ReplyReader(StreamReader):
             return None
         start, length, crc = _HEAD.unpack_from(self._buffer)
         if start != _BINARY_START or crc != crc16(self._buffer[:4]) or length > _LONGEST_BODY:
-            raise NdiProtocolError("the camera's binary reply is damaged at its head: connect again")
+            raise NdiProtocolError("the camera's binary reply has a damaged header: connect again")
         if len(self._buffer) < _HEAD.size + length + _CRC.size:
             return None
         body = self._take(_HEAD.size + length + _CRC.size)[_HEAD.size :]
         if crc16(body) != 0:
-            raise NdiProtocolError(
-                "the camera's binary reply is damaged, its checksum is wrong: connect again"
-            )
+            raise NdiProtocolError("the camera's binary reply is damaged (wrong checksum): connect again")
         return Binary(body[:length])
 
 
 def _checked_text(line: bytes) -> Text:
     text, digits = line[:-_CRC_DIGITS], line[-_CRC_DIGITS:]
     if digits != crc_text(text):
-        raise NdiProtocolError(
-            f"the camera's reply {line[:40]!r} is damaged, its checksum is wrong: connect again"
-        )
+        raise NdiProtocolError(f"the camera's reply {line[:40]!r} is damaged (wrong checksum): connect again")
     if not text.isascii():
         raise NdiProtocolError(f"the camera's reply {line[:40]!r} is not text: is this the right port?")
     return Text(text.decode("ascii"))
@@ -254,7 +250,7 @@ def page_writes(handle: int, definition: bytes) -> Iterator[Request]:
 def decode_handle(reply: Text) -> int:
     """Read the answer to PHRQ; raises NdiProtocolError."""
     if not _HANDLE.fullmatch(reply.text):
-        raise NdiProtocolError(f"the camera answered {reply.text[:40]!r} where a port handle was expected")
+        raise NdiProtocolError(f"the camera answered {reply.text[:40]!r} instead of a port handle")
     return int(reply.text, 16)
 
 
@@ -270,9 +266,7 @@ def decode_handles(reply: Text) -> list[tuple[int, int]]:
     found = _HANDLES.fullmatch(reply.text)
     entries = _HANDLE_ENTRY.findall(found[2]) if found else []
     if found is None or len(entries) != int(found[1], 16):
-        raise NdiProtocolError(
-            f"the camera answered {reply.text[:40]!r} where a list of handles was expected"
-        )
+        raise NdiProtocolError(f"the camera answered {reply.text[:40]!r} instead of a list of handles")
     return [(int(handle, 16), int(status, 16)) for handle, status in entries]
 
 
@@ -360,12 +354,16 @@ def _binary_tools(body: bytes) -> list[ToolFrame]:
             pose = _checked(_POSE.unpack_from(body, at))
             at += _POSE.size
         elif state != _MISSING:
-            raise NdiProtocolError(f"the camera reports {state} of a tool, which is neither valid nor missing")
+            raise NdiProtocolError(
+                f"the camera reports {state} of a tool, which is neither valid nor missing"
+            )
         status, frame = _PORT.unpack_from(body, at)
         at += _PORT.size
         tools.append(ToolFrame(handle, pose, PortStatus(status), frame))
     if at + _SYSTEM.size != len(body):
-        raise NdiProtocolError(f"the camera's frame has {len(body)} bytes where {at + _SYSTEM.size} were due")
+        raise NdiProtocolError(
+            f"the camera's frame has {len(body)} bytes but {at + _SYSTEM.size} were expected"
+        )
     return tools
 
 
@@ -396,9 +394,11 @@ def decode_text(reply: Text) -> list[ToolFrame]:
         tools.append(_text_tool(*found.groups()))
         rest = rest[found.end() :]
     if not re.fullmatch(r"[0-9A-F]{2}", count) or int(count, 16) != len(tools):
-        raise NdiProtocolError(f"the camera's frame {reply.text[:40]!r} is no list of tools: connect again")
+        raise NdiProtocolError(
+            f"the camera's frame {reply.text[:40]!r} is not a list of tools: connect again"
+        )
     if not re.fullmatch(r"[0-9A-F]{4}", rest):
-        raise NdiProtocolError(f"the camera's frame ends in {rest[:20]!r} where its status was due")
+        raise NdiProtocolError(f"the camera's frame ends in {rest[:20]!r} instead of its status")
     return tools
 
 
@@ -420,6 +420,6 @@ def _checked(values: tuple[float, ...]) -> ToolPose:
     if not (abs(length - 1.0) <= _UNIT and all(map(math.isfinite, (x, y, z))) and 0.0 <= error < math.inf):
         raise NdiProtocolError(
             f"the camera reports a quaternion of length {length:.4g} at {(x, y, z)} mm with error {error}:"
-            " that is no pose"
+            " not a valid pose"
         )
     return ToolPose((q0, qx, qy, qz), (x, y, z), error)

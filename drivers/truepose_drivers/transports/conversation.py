@@ -187,6 +187,6 @@ class Conversation(Listener[Message]):
             # more.
             if not await self.is_quiet():
                 raise RemoteProtocolError(
-                    f"whoever is at {self.address} sent more data than requested: connect again"
+                    f"the device at {self.address} sent more data than requested: connect again"
                 )
             return answer

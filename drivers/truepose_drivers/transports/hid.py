@@ -113,7 +113,9 @@ class HidapiPort(BlockingPort[_OpenDevice]):
         try:
             return await self._in_thread(call)
         except (OSError, ValueError) as error:
-            raise await self._lost(f"HID device {self.address} is gone ({error}): check its cable") from error
+            raise await self._lost(
+                f"HID device {self.address} was disconnected ({error}): check its cable"
+            ) from error
 
 
 class HidOverUsb(OverPort):
@@ -166,17 +168,15 @@ def _open_device(system: Any, where: LocalUsb) -> _OpenDevice:
         and where.serial in (None, entry["serial_number"])
     ]
     if not found:
-        raise ConnectFailedError(
-            f"there is no HID device {where}: check its cable, and the numbers with lsusb"
-        )
+        raise ConnectFailedError(f"no HID device {where}: check its cable, and its numbers with lsusb")
     device = system.device()
     try:
         device.open_path(found[0]["path"])
         device.set_nonblocking(1)
     except (OSError, ValueError) as error:
         raise ConnectFailedError(
-            f"HID device {where} cannot be opened ({error}): give this user the right to it (on Linux a udev"
-            " rule for hidraw), and check that no other program has it"
+            f"HID device {where} cannot be opened ({error}): give this user access to it (on Linux by a udev"
+            " rule for hidraw), and check that no other program is using it"
         ) from error
     names = ("manufacturer_string", "product_string", "serial_number")
     manufacturer, product, serial = (found[0][name] or "" for name in names)

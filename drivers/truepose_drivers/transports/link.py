@@ -157,7 +157,7 @@ async def drain(source: Source, *, quiet_s: float = 0.0) -> None:
 def unending(source: Source) -> RemoteProtocolError:
     """Return the error of a device that sends on and on."""
     return RemoteProtocolError(
-        f"whoever is at {source.address} does not stop sending: is this the right address?"
+        f"the device at {source.address} does not stop sending: is this the right address?"
     )
 
 

@@ -97,7 +97,7 @@ class SerialLink(BlockingPort[serial.Serial]):
         except _NOT_OPENED as error:
             raise ConnectFailedError(
                 f"port {self.address} cannot be opened ({error}):"
-                " check its name, that the adapter is plugged in, and that no other program has it"
+                " check its name, that the adapter is plugged in, and that no other program is using it"
             ) from error
 
     def _close_handle(self, handle: serial.Serial) -> None:
@@ -124,7 +124,7 @@ class SerialLink(BlockingPort[serial.Serial]):
         return port
 
     async def _gone(self) -> ConnectionLostError:
-        return await self._lost(f"port {self.address} is gone: check cable and adapter")
+        return await self._lost(f"port {self.address} was disconnected: check cable and adapter")
 
 
 def serial_or_tcp(options: Options, factory: Framing, *, rates: Sequence[int] = RATES, what: str) -> Link:
@@ -136,7 +136,7 @@ def serial_or_tcp(options: Options, factory: Framing, *, rates: Sequence[int] = 
     if port is None:
         return tcp_link(options, TERMINAL_SERVER_PORT)
     if "host" in options or "port" in options:
-        raise ConfigurationError(f"serial and host are two ways to the same {what}: give one of them")
+        raise ConfigurationError(f"serial and host both select the {what}: give only one of them")
     return SerialLink(port, replace(factory, baud=baud(options, factory, rates)))
 
 

@@ -197,7 +197,7 @@ class TcpLink:
     async def _lost(self) -> ConnectionLostError:
         await self.close()
         return ConnectionLostError(
-            f"the connection to {self.address} is gone: check power and cable, then connect again"
+            f"the connection to {self.address} was lost: check power and cable, then connect again"
         )
 
 

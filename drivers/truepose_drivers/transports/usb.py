@@ -62,7 +62,7 @@ def usb_address(options: Options, default: str | None = None) -> UsbAddress:
     text = option.text(options, "usb")
     if "host" in options or "port" in options:
         if text is not None:
-            raise ConfigurationError("usb and host are two ways to the same device: give one of them")
+            raise ConfigurationError("usb and host both select the device: give only one of them")
         return RemoteUsb(option.host(options), option.port(options, usbip.PORT), _ONLY_DEVICE)
     text = text or default
     if text is None:
@@ -177,16 +177,16 @@ class UsbDevice(BlockingPort[_OpenDevice]):
         except usb.core.USBError as error:
             if error.errno == errno.EPIPE:
                 raise DeviceRefusedError(f"USB device {self.address} refuses a request") from error
-            raise await self._lost(f"USB device {self.address} is gone ({error}): check its cable") from error
+            raise await self._lost(
+                f"USB device {self.address} was disconnected ({error}): check its cable"
+            ) from error
 
 
 def _open_device(where: UsbAddress) -> _OpenDevice:
     try:
         device = _find(where)
         if device is None:
-            raise ConnectFailedError(
-                f"there is no USB device {where}: check its cable, and the numbers with lsusb"
-            )
+            raise ConnectFailedError(f"no USB device {where}: check its cable, and its numbers with lsusb")
         return _OpenDevice(device, _prepare(device))
     except usb.core.NoBackendError as error:
         raise ConnectFailedError(
@@ -200,9 +200,9 @@ def _open_device(where: UsbAddress) -> _OpenDevice:
 
 def _remedy(error: usb.core.USBError) -> str:
     if error.errno == errno.EACCES:
-        return "give this user the right to it (on Linux a udev rule for the device), and check its cable"
+        return "give this user access to it (on Linux by a udev rule for the device), and check its cable"
     if error.errno == errno.EBUSY:
-        return "check that no other program has it"
+        return "check that no other program is using it"
     return "check cable and address"
 
 

@@ -128,7 +128,9 @@ class Session:
             return None
         reply = usbip.decode_reply(header)
         if not isinstance(reply, usbip.SubmitReply):
-            raise usbip.UsbipProtocolError("a transfer that nobody gave up was answered as given up")
+            raise usbip.UsbipProtocolError(
+                "a transfer was answered as cancelled without a request to cancel it"
+            )
         data = self._stream.receive_rest(reply.length) if is_in and reply.length else b""
         return usbip.SubmitReply(reply.sequence, reply.status, reply.length, data)
 
@@ -148,7 +150,7 @@ class Session:
                 case usbip.UnlinkReply():
                     break
         if completed is None or completed.status == usbip.UNLINKED:
-            raise usb.core.USBTimeoutError("the device says nothing in time", None, errno.ETIMEDOUT)
+            raise usb.core.USBTimeoutError("the device did not respond in time", None, errno.ETIMEDOUT)
         return completed
 
 
@@ -191,7 +193,9 @@ class _Stream:
         while len(data) < length:
             piece = self._connection.recv(length - len(data))
             if not piece:
-                raise ConnectionResetError(errno.ECONNRESET, "the server hung up in the middle")
+                raise ConnectionResetError(
+                    errno.ECONNRESET, "the server closed the connection during a message"
+                )
             data += piece
         return data
 

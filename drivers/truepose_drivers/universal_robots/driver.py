@@ -149,7 +149,7 @@ class UniversalRobot(OnePortDevice):
     async def _agree(self) -> None:
         if not protocol.is_accepted(await self._asked(protocol.version_request())):
             raise protocol.UrProtocolError(
-                "the controller speaks an older RTDE: its software must be 3.9 or 5.3, or later"
+                "the controller uses an older RTDE version: its software must be 3.9 or 5.3, or later"
             )
         outputs = protocol.outputs_request(_FREQUENCY_HZ, OUTPUTS)
         self._outputs = _recipe(await self._asked(outputs), OUTPUTS)
@@ -157,7 +157,7 @@ class UniversalRobot(OnePortDevice):
 
     async def _names(self) -> tuple[str | None, str | None]:
         at = self._dashboard.address
-        self._dashboard.expect(_REPLY_S, f"the dashboard at {at} does not greet: restart it")
+        self._dashboard.expect(_REPLY_S, f"the dashboard at {at} sends no greeting: restart it")
         protocol.require_greeting(await self._dashboard.next())
         return await self._name(protocol.SERIAL_NUMBER), await self._name(protocol.ROBOT_MODEL)
 
@@ -182,7 +182,7 @@ class UniversalRobot(OnePortDevice):
     async def _switch(self, kind: protocol.Kind) -> None:
         if not protocol.is_accepted(await self._asked(protocol.Packet(kind))):
             raise protocol.UrProtocolError(
-                f"the robot does not {kind.name.lower()} its stream of states: connect again"
+                f"the robot does not {kind.name.lower()} its data stream: connect again"
             )
 
     async def _asked(self, request: protocol.Packet) -> bytes:
@@ -204,7 +204,7 @@ class UniversalRobot(OnePortDevice):
         """Return a state that is newer than all before; a clock that stands still is a lost connection."""
         self._rtde.expect(
             _STATE_S,
-            f"the robot at {self._rtde.address} states nothing new, or its clock stands still: check the"
+            f"the robot at {self._rtde.address} sends no new data, or its clock has stopped: check the"
             " network and the controller, then connect again",
         )
         while True:
@@ -220,7 +220,7 @@ class UniversalRobot(OnePortDevice):
     def _state(self, packet: protocol.Packet) -> RobotState:
         if packet.kind is not protocol.Kind.DATA:
             raise protocol.UrProtocolError(
-                f"the robot sent {packet.kind.name} among its states: connect again"
+                f"the robot sent {packet.kind.name} in its data stream: connect again"
             )
         return robot_state(self._outputs.unpack(packet.payload))
 
@@ -231,8 +231,8 @@ class UniversalRobot(OnePortDevice):
         while (await self._next_state()).registers != order.values():
             if now_s() > give_up_s:
                 raise protocol.UrProtocolError(
-                    "the robot does not keep what is written to its registers 24 to 31: see that no other"
-                    " program or URCap uses them, then connect again"
+                    "the robot does not keep what is written to its registers 24 to 31: make sure that no"
+                    " other program or URCap uses them, then connect again"
                 )
 
     async def _write(self, order: Order) -> None:
@@ -255,12 +255,12 @@ def _recipe(payload: bytes, wanted: Mapping[str, str]) -> protocol.Recipe:
     if protocol.IN_USE in types:
         used = next(name for name, kind in named.items() if kind == protocol.IN_USE)
         raise ConnectFailedError(
-            f"another program writes {used} of the robot: end it, so that one program alone moves the arm"
+            f"another program writes {used} of the robot: stop it, so that only one program moves the arm"
         )
     if protocol.NOT_FOUND in types:
         unknown = next(name for name, kind in named.items() if kind == protocol.NOT_FOUND)
         raise protocol.UrProtocolError(
-            f"the controller does not know {unknown}: its software must be 3.9 or 5.3, or later"
+            f"the controller does not support {unknown}: its software must be 3.9 or 5.3, or later"
         )
     return protocol.agreed_recipe(number, types, wanted)
 

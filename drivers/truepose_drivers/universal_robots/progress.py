@@ -71,7 +71,7 @@ class Progress:
     def _require_begun(self, now_s: float, said: str) -> None:
         if not self._begun and now_s - self._ordered_s > _BEGINS_WITHIN_S:
             raise NotInitialisedError(
-                "the robot did not begin the motion: set it to remote control on the pendant and look there"
+                "the robot did not begin the motion: set it to remote control on the pendant and check there"
                 f" for messages{_quoted(said)}"
             )
 
@@ -86,14 +86,14 @@ class Progress:
             target_deg = [math.degrees(angle) for angle in self._order.target_rad]
             return target_refused(target_deg, f": check the pendant for the reason{_quoted(said)}")
         return NotInitialisedError(
-            f"the motion was interrupted: check the pendant for the reason{_quoted(said)}, then"
-            " confirm"
+            f"the motion was interrupted: check the pendant for the reason{_quoted(said)}, then confirm"
         )
 
     def _require_motion(self, now_s: float) -> None:
         if now_s - self._moved_s > _STANDS_AT_MOST_S:
             raise NoReplyError(
-                f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not reached its target: check the"
+                f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not reached its target: check"
+                " the"
                 " pendant for a paused program, then connect again"
             )
 

@@ -142,7 +142,7 @@ def operator_message(payload: bytes) -> str:
     """Return what the controller says to people."""
     length = payload[0] if payload else 0
     if len(payload) < length + 1 or not payload:
-        raise UrProtocolError(f"{payload[:40]!r} is no text of the controller")
+        raise UrProtocolError(f"{payload[:40]!r} is not text from the controller")
     return payload[1 : length + 1].decode(errors="replace")
 
 
@@ -151,7 +151,7 @@ def words(payload: bytes) -> list[str]:
     try:
         return payload.decode("ascii").removesuffix(",").split(",")
     except UnicodeDecodeError as error:
-        raise UrProtocolError(f"{payload[:40]!r} is no list of names") from error
+        raise UrProtocolError(f"{payload[:40]!r} is not a list of names") from error
 
 
 def _listed(names: Iterable[str]) -> bytes:
@@ -200,7 +200,7 @@ class Recipe:
         """Return the values of a data packet; raises UrProtocolError where it is none of this recipe."""
         if len(payload) != self._layout.size + 1 or payload[0] != self.number:
             raise UrProtocolError(
-                f"a data packet of {len(payload)} bytes for recipe {payload[:1].hex() or 'none'}; due were"
+                f"a data packet of {len(payload)} bytes for recipe {payload[:1].hex() or 'none'}; expected"
                 f" {self._layout.size + 1} bytes for recipe {self.number:02x}"
             )
         numbers = iter(self._layout.unpack(payload[1:]))
@@ -222,7 +222,7 @@ def agreed_recipe(number: int, types: Iterable[str], wanted: Mapping[str, str]) 
     stated = list(types)
     if stated != list(wanted.values()):
         raise UrProtocolError(
-            f"types {','.join(stated)[:120]} were stated; due were {','.join(wanted.values())}"
+            f"types {','.join(stated)[:120]} were reported; expected {','.join(wanted.values())}"
         )
     return Recipe(number, wanted)
 
@@ -254,7 +254,7 @@ class LineReader(StreamReader):
         """Take the oldest whole line; raises UrProtocolError where one does not end."""
         end = self._buffer.find(b"\n")
         if max(end, len(self._buffer) if end < 0 else 0) > _LONGEST_LINE_BYTES:
-            raise UrProtocolError(f"{bytes(self._buffer[:40])!r} goes on without the end of a line")
+            raise UrProtocolError(f"{bytes(self._buffer[:40])!r} has no line end")
         if end < 0:
             return None
         return self._take(end, drop=1).decode(errors="replace").strip()
@@ -268,7 +268,7 @@ def encode_line(line: str) -> bytes:
 def require_greeting(line: str) -> None:
     """Raise UrProtocolError unless a dashboard speaks."""
     if not line.startswith(GREETING):
-        raise UrProtocolError(f"whoever answers with {line[:60]!r} is no dashboard of Universal Robots")
+        raise UrProtocolError(f"{line[:60]!r} is not an answer from a Universal Robots dashboard")
 
 
 def stated_name(line: str) -> str | None:
@@ -276,5 +276,5 @@ def stated_name(line: str) -> str | None:
     if _NOT_UNDERSTOOD in line.lower():
         return None
     if _NAME.fullmatch(line) is None:
-        raise UrProtocolError(f"the dashboard answered with {line[:60]!r}, which is no name")
+        raise UrProtocolError(f"the dashboard answered with {line[:60]!r}, which is not a name")
     return line

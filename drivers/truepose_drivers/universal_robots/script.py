@@ -59,10 +59,10 @@ MOVES_IN: Final = frozenset({SafetyMode.NORMAL, SafetyMode.REDUCED})
 
 _OF_MODE: Final[Mapping[int, str]] = {
     RobotMode.POWER_OFF: "the arm is switched off: switch it on and release the brakes",
-    RobotMode.POWER_ON: "the arm is being switched on: wait, then release the brakes",
+    RobotMode.POWER_ON: "the arm is powering up: wait, then release the brakes",
     RobotMode.IDLE: "the brakes are on: release them on the pendant",
-    RobotMode.BACKDRIVE: "the arm is moved by hand: end that on the pendant",
-    RobotMode.CONFIRM_SAFETY: "the safety settings wait to be confirmed on the pendant",
+    RobotMode.BACKDRIVE: "the arm is in backdrive mode: end it on the pendant",
+    RobotMode.CONFIRM_SAFETY: "confirm the safety settings on the pendant",
 }
 _OF_SAFETY: Final[Mapping[int, str]] = {
     SafetyMode.PROTECTIVE_STOP: "it made a protective stop: see what it touched, then unlock it there",

@@ -210,7 +210,7 @@ def decode_request(header: bytes) -> tuple[Request, int]:
     if command == _UNLINK_COMMAND:
         return Unlink(sequence, device, _UNLINK.unpack(rest)[0]), 0
     if command != _SUBMIT_COMMAND:
-        raise UsbipProtocolError(f"command {command} is no request of USB/IP")
+        raise UsbipProtocolError(f"command {command} is not a USB/IP request")
     _, length, _, _, _, setup = _SUBMIT.unpack(rest)
     is_in = direction == _IN
     submit = Submit(sequence, device, endpoint, is_in, _checked_length(length), setup)
@@ -237,14 +237,14 @@ def decode_reply(header: bytes) -> Reply:
     if command == _UNLINK_REPLY:
         return UnlinkReply(sequence, _RETURN_UNLINK.unpack(rest)[0])
     if command != _SUBMIT_REPLY:
-        raise UsbipProtocolError(f"command {command} is no reply of USB/IP")
+        raise UsbipProtocolError(f"command {command} is not a USB/IP reply")
     status, length, _, _, _ = _RETURN.unpack(rest)
     return SubmitReply(sequence, status, _checked_length(length))
 
 
 def _checked_length(length: int) -> int:
     if not 0 <= length <= _LONGEST_TRANSFER:
-        raise UsbipProtocolError(f"a transfer of {length} bytes is none of a measuring device")
+        raise UsbipProtocolError(f"a transfer of {length} bytes does not come from a measuring device")
     return length
 
 

@@ -33,7 +33,7 @@ class UsbPlug:
         if self.is_open and not self._wiring.deaf:
             return
         await self.close()
-        raise ConnectionLostError("there is no connection to the plug: check its cable, then connect first")
+        raise ConnectionLostError("not connected to the plug: check its cable, then connect first")
 
     async def control_out(self, request_type, request, value=0, index=0, data=b""):
         await self.require_there()

@@ -96,7 +96,7 @@ class MemoryLink:
             return None
         if data == _END_OF_STREAM:
             await self.close()
-            raise ConnectionLostError(f"the connection to {self.address} is gone: check who serves it")
+            raise ConnectionLostError(f"the connection to {self.address} was lost: check who serves it")
         return data
 
     async def close(self) -> None:

@@ -21,7 +21,7 @@ class UsbInMemory:
 
     async def open(self) -> None:
         if not self._gadget.plugged:
-            raise ConnectFailedError("there is no USB device in memory: check its cable")
+            raise ConnectFailedError("no USB device in memory: check its cable")
         self._gadget.attach()
         self.is_open = True
 
@@ -65,7 +65,7 @@ class UsbInMemory:
 
     def _check(self) -> None:
         if not self.is_open:
-            raise ConnectionLostError("there is no connection to memory: connect first")
+            raise ConnectionLostError("not connected to memory: connect first")
         if not self._gadget.plugged:
             self.is_open = False
-            raise ConnectionLostError("the USB device in memory is gone: check its cable")
+            raise ConnectionLostError("the USB device in memory was disconnected: check its cable")

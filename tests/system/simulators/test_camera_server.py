@@ -62,7 +62,7 @@ async def test_poses_of_the_spatial_artefact_until_the_camera_hangs(definition):
 
         async with cell_endpoint(**cell.address("truth")) as truth:
             await truth.ask("fault", kind="camera_frozen")
-        with pytest.raises(LinkError, match="do not go on"):
+        with pytest.raises(LinkError, match="do not advance"):
             await camera.measure_pose(duration_s=1.0)
         assert not camera.connected
 

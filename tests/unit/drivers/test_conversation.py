@@ -150,7 +150,7 @@ async def test_a_message_that_had_begun_is_no_part_of_the_answer():
 async def test_where_more_comes_than_was_asked_nobody_knows_which_is_the_answer(behind):
     link = FakeLink(answers=(b"12.5\n" + behind,))
 
-    with pytest.raises(RemoteProtocolError, match="more than was asked"):
+    with pytest.raises(RemoteProtocolError, match="more data than requested"):
         await ask(conversation_on(link))
 
     assert not link.is_open

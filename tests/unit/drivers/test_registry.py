@@ -124,8 +124,8 @@ def test_a_wrong_option_is_named_with_driver_and_remedy(options, complaint):
         (42, "int, not a DriverPlugin"),
         (replace(TRACKER, name="other"), "calls itself 'other'"),
         (replace(TRACKER, name="theirs", kind="oven"), "'oven'; known kinds: tracker"),
-        (replace(TRACKER, name="theirs", options=["host"]), "no mapping"),
-        (replace(TRACKER, name="theirs", options={"host": 1}), "no mapping"),
+        (replace(TRACKER, name="theirs", options=["host"]), "not a mapping"),
+        (replace(TRACKER, name="theirs", options={"host": 1}), "not a mapping"),
         (replace(TRACKER, name="theirs", open="later"), "cannot be called"),
     ],
 )

@@ -103,7 +103,7 @@ class AcmeTracker:
         self._number = number
 
     async def _ask(self, word: str, *values: float, timeout_s: float = _ANSWER_TIMEOUT_S) -> Reply:
-        silence = f"the tracker at {self._conversation.address} says nothing for {timeout_s:g} s"
+        silence = f"the tracker at {self._conversation.address} did not respond within {timeout_s:g} s"
         return await self._conversation.ask(
             encode(word, *values), decode, timeout_s=timeout_s, silence=silence
         )

@@ -58,7 +58,7 @@ def point(reply: Reply) -> Point:
             f"the tracker measures in {unit!r}: another program set that; initialise it"
         )
     if face not in {"1", "2"}:
-        raise RemoteProtocolError(f"the tracker says that it stands in face {face}")
+        raise RemoteProtocolError(f"the tracker reports face {face}")
     return Point(_whole(number), 1 if face == "1" else 2, finite(texts))
 
 

@@ -24,7 +24,7 @@ async def the_bench_knows_a_wrong_value(trial: Trial) -> None:
         trial.bench.move(trial.rng)
         if not trial.bench.is_right(before):
             return
-    broken(f"the bench takes {before} for right, wherever it moves")
+    broken(f"the bench accepts {before} as right, wherever it moves")
 
 
 @case(remedy="compare units, signs and order of the numbers with the manual and with golden bytes")

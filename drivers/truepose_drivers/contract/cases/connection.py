@@ -131,14 +131,14 @@ async def another_serial_number_is_told(trial: Trial) -> None:
     await trial.device.connect()
     first = (await trial.device.identify()).serial
     if first != trial.bench.serial:
-        broken(f"identify tells serial number {first}, and the device says {trial.bench.serial}")
+        broken(f"identify reports serial number {first}, and the device says {trial.bench.serial}")
     trial.bench.serial = _FURTHER_SERIAL
     trial.wiring.hang_up()
     await trial.device.close()
     await trial.device.connect()
     again = (await trial.device.identify()).serial
     if again != _FURTHER_SERIAL:
-        broken(f"another device answers, {_FURTHER_SERIAL}, and identify tells {again}")
+        broken(f"another device answers, {_FURTHER_SERIAL}, but identify reports {again}")
 
 
 @case(
@@ -164,7 +164,7 @@ async def a_device_that_hangs_up_is_lost_and_comes_back(trial: Trial) -> None:
     trial.wiring.hang_up()
     error = await trial.refuse()
     if not isinstance(error, LinkError):
-        broken(f"the driver raised {error!r}, which is no LinkError")
+        broken(f"the driver raised {error!r}, which is not a LinkError")
     _require_closed(trial)
     await trial.recover()
 
@@ -180,9 +180,9 @@ async def silence_is_told_within_two_seconds(trial: Trial) -> None:
     error = await trial.refuse()
     allowed_s = trial.bench.measures_s + trial.bench.lost_within_s
     if now_s() - began_s > allowed_s:
-        broken(f"the silence was told after {now_s() - began_s:.2f} s, and {allowed_s:g} s are allowed")
+        broken(f"the silence was reported after {now_s() - began_s:.2f} s, and {allowed_s:g} s are allowed")
     if not isinstance(error, LinkError):
-        broken(f"the driver raised {error!r}, which is no LinkError")
+        broken(f"the driver raised {error!r}, which is not a LinkError")
     _require_closed(trial)
 
 
@@ -215,7 +215,7 @@ async def _require_failing(trial: Trial, why: str) -> ConnectFailedError:
         _require_closed(trial)
         return error
     except DriverError as other:
-        did = f"raised {other!r}, which is no ConnectFailedError"
+        did = f"raised {other!r}, which is not a ConnectFailedError"
     else:
         did = "returned"
     raise ContractBrokenError(f"{why}, and connect {did}")
@@ -223,4 +223,4 @@ async def _require_failing(trial: Trial, why: str) -> ConnectFailedError:
 
 def _require_closed(trial: Trial) -> None:
     if trial.connected:
-        broken("the driver says that its link is up, and it must be closed")
+        broken("the driver reports its link as up, but it must be closed")

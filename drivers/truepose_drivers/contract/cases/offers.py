@@ -80,7 +80,7 @@ def _missing(protocol: type, offered: type) -> list[str]:
     ]
 
 
-@case(remedy="say of each option of PLUGIN what it is, in the words of whoever writes a cell file")
+@case(remedy="describe each option of PLUGIN for the person who writes a cell file")
 async def its_options_are_explained(trial: Trial) -> None:
     """Every option of the cell file has a sentence."""
     terse = [name for name, words in trial.bench.plugin.options.items() if len(words.split()) < _FEWEST_WORDS]

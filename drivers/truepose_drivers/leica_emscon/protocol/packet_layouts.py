@@ -185,7 +185,7 @@ def _kind(name: str) -> _Kind:
         enumeration = getattr(module, name, None)
         if enumeration is not None:
             return _enumeration_kind(enumeration)
-    raise ValueError(f"{name!r} is no kind of packet member")
+    raise ValueError(f"{name!r} is not a type of packet member")
 
 
 def _text_kind(length: int) -> _Kind:

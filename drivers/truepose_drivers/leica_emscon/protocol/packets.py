@@ -268,7 +268,7 @@ def _decode_answer(data: bytes) -> Answer:
 
 def _encode_result(result: Result) -> bytes:
     if result.packet_type not in RESULTS:
-        raise ValueError(f"{result.packet_type} is no type of result packet")
+        raise ValueError(f"{result.packet_type} is not a type of result packet")
     kind = PacketType(result.packet_type)
     members, elements = result.values, b""
     if kind in ELEMENTS:

@@ -69,7 +69,7 @@ async def test_what_another_machine_sends_is_none_of_the_robots():
     reader = EgmReader(UdpPort("127.0.0.2", port), MonotonicClock())
 
     async with streaming(port):
-        with pytest.raises(ConnectFailedError, match="nothing new arrives"):
+        with pytest.raises(ConnectFailedError, match="no new data arrives"):
             await reader.connect()
 
 

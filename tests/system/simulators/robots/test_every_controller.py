@@ -148,7 +148,7 @@ async def test_a_target_that_the_controller_does_not_take_is_refused_and_the_nex
     ("make_bench", "said"),
     [
         (FanucBench, "end of its motion"),
-        (UniversalBench, "has not arrived"),
+        (UniversalBench, "has not reached its target"),
         (WebBench, "has not moved for 3 s"),
     ],
 )
@@ -181,7 +181,7 @@ async def test_a_second_program_cannot_take_the_arm(make_bench, said):
 
 
 @pytest.mark.parametrize(
-    ("make_bench", "said"), [(FanucBench, "repeats itself"), (UniversalBench, "clock stands still")]
+    ("make_bench", "said"), [(FanucBench, "repeats old data"), (UniversalBench, "clock has stopped")]
 )
 async def test_a_frozen_controller_is_a_lost_link(make_bench, said):
     bench = make_bench()

@@ -22,7 +22,7 @@ async def test_beats_that_do_not_change_are_none():
         bench.variables._writable = {**bench.variables._writable, "TP_BEAT": lambda value: None}
 
         assert await bench.rests_within(1.0)
-        with pytest.raises(ConnectionLostError, match="heard nothing"):
+        with pytest.raises(ConnectionLostError, match="received nothing"):
             await motion
 
 

@@ -154,7 +154,7 @@ async def test_a_stop_that_leaves_the_controller_silent_is_told_within_seconds()
         await robot.set_limits(AT_20_DEG_S)
         begun_s = cell.clock.now_s
 
-        with pytest.raises(NoReplyError, match=r"stands still \d+\.\d\d deg before its target"):
+        with pytest.raises(NoReplyError, match=r"stopped \d+\.\d\d deg before its target"):
             await robot.move_joints(TARGET)
 
         assert 3.5 < cell.clock.now_s - begun_s < 5.5

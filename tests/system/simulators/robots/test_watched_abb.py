@@ -79,7 +79,7 @@ async def test_the_joints_come_with_more_digits_than_open_abb_has():
     ("spoil", "match"),
     [
         (lambda irc5: irc5.switch(ControllerState.MOTORS_OFF), "motors are off"),
-        (lambda irc5: irc5.stop(), "program stands"),
+        (lambda irc5: irc5.stop(), "program is stopped"),
         (lambda irc5: setattr(irc5, "speed_percent", 0.0), "override is 0 %"),
     ],
 )
@@ -124,7 +124,7 @@ async def test_a_stop_on_the_way_is_told_at_once(server):
     now_s = bench.cell.clock.now_s
     async with connected(bench) as robot:
         bench.cell.add_fault(EmergencyStop(from_s=now_s + 2.0, until_s=now_s + 5.0))
-        with pytest.raises(NotInitialisedError, match="emergency stop holds it"):
+        with pytest.raises(NotInitialisedError, match="emergency stop is active"):
             await robot.move_joints(AWAY)
 
         assert bench.cell.clock.now_s - now_s < 3.0  # the stock server alone says nothing for a minute
@@ -157,7 +157,7 @@ async def test_without_its_watch_a_robot_is_not_connected():
     bench = Bench()
     robot = bench.driver(Login("Default User", "wrong"))
 
-    with pytest.raises(DeviceRefusedError, match="does not let user"):
+    with pytest.raises(DeviceRefusedError, match="rejected user"):
         await robot.connect()
     assert not robot.connected
 

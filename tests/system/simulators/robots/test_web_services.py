@@ -174,7 +174,7 @@ async def test_two_programs_do_not_share_a_motion():
 async def test_who_is_not_let_in_is_told_so(login):
     robot = WebBench().driver(login)
 
-    with pytest.raises(DeviceRefusedError, match=r"does not let user .* in: check the options"):
+    with pytest.raises(DeviceRefusedError, match=r"rejected user .*: check the options"):
         await robot.connect()
     assert not robot.connected
 

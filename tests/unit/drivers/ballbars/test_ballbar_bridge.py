@@ -129,7 +129,7 @@ async def test_an_old_value_is_never_given_again():
     bridge.send(0.2)
     await asyncio.sleep(0.01)
 
-    with pytest.raises(NoReplyError, match="check that the maker's software"):
+    with pytest.raises(NoReplyError, match="check that the manufacturer's software"):
         await driver.read()
     assert not driver.connected
 

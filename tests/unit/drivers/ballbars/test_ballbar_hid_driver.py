@@ -146,7 +146,7 @@ async def test_bits_that_mean_nothing_are_told(place):
     garbled[place] |= 0x40
     driver = await connected(FakePort(bytes(garbled)))
 
-    with pytest.raises(RemoteProtocolError, match="no ballbar sets"):
+    with pytest.raises(RemoteProtocolError, match="no ballbar uses"):
         await driver.read()
 
 

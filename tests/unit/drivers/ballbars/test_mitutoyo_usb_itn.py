@@ -58,7 +58,7 @@ def test_values_make_the_round_trip(counts):
     ],
 )
 def test_what_is_no_reply_is_told(text):
-    with pytest.raises(RemoteProtocolError, match="no reply of a USB-ITN"):
+    with pytest.raises(RemoteProtocolError, match="not a reply from a USB-ITN"):
         decode(text)
 
 
@@ -202,7 +202,7 @@ async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_h
 async def test_a_cable_that_always_sends_more_than_it_is_asked_for_is_told(cable, driver):
     cable.answers[b"1\r"] = [b"01A+0000.1234\r", b"01A+0000.1234\r"]
 
-    with pytest.raises(RemoteProtocolError, match="leave the gauge's keys alone"):
+    with pytest.raises(RemoteProtocolError, match="do not press keys on the gauge"):
         await driver.read()
     assert not driver.connected
 

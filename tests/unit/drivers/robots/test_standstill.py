@@ -78,7 +78,7 @@ async def test_the_motion_of_an_arm_that_stands_is_given_up():
         return (30.0, 10.0)
 
     begun_s = asyncio.get_running_loop().time()
-    with pytest.raises(NoReplyError, match=r"stands still 60\.00 deg before its target: look there"):
+    with pytest.raises(NoReplyError, match=r"stopped 60\.00 deg before its target: look there"):
         await answered_unless_it_stands(motion(), look, COURSE, "look there")
 
     assert given_up.is_set()

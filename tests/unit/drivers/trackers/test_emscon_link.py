@@ -205,7 +205,7 @@ async def test_a_status_that_nobody_asked_for_is_an_answer_too_many(emscon, pati
         encode(answer(request.command, tracker_face=1)) + encode(status)
     ]
 
-    with pytest.raises(RemoteProtocolError, match="more than was asked"):
+    with pytest.raises(RemoteProtocolError, match="more data than requested"):
         await patient.measure_point(duration_s=1.0)
 
 

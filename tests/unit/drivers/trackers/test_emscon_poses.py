@@ -135,8 +135,8 @@ async def test_initialising_asks_for_poses_in_the_house_units_and_for_the_beam_t
     ("command", "says", "advice"),
     [
         (Command.SET_MEASUREMENT_MODE, refused(), "driver leica_emscon"),
-        (Command.GET_PROBE, told(internal_probe_id=-1), "lead the beam"),
-        (Command.GET_PROBE, told(internal_probe_id=9), "lead the beam"),
+        (Command.GET_PROBE, told(internal_probe_id=-1), "guide the beam"),
+        (Command.GET_PROBE, told(internal_probe_id=9), "guide the beam"),
     ],
 )
 async def test_a_tracker_without_poses_or_a_probe_that_it_knows_says_so(emscon, command, says, advice):
@@ -165,9 +165,9 @@ async def test_another_probe_than_the_cell_names_is_refused(emscon):
         (RotationStatus.VALID | RotationStatus.RMS_TOO_HIGH, ArtefactNotSeenError, "compensation"),
         (RotationStatus.ERROR | RotationStatus.ANGLE_OUT_OF_RANGE, OutOfVolumeError, "turned"),
         (RotationStatus.ERROR | RotationStatus.DISTANCE_OUT_OF_RANGE, OutOfVolumeError, "near"),
-        (RotationStatus.ERROR, ArtefactNotSeenError, "vouch"),
-        (RotationStatus.VALID | RotationStatus.ERROR, ArtefactNotSeenError, "vouch"),
-        (0, ArtefactNotSeenError, "vouch"),
+        (RotationStatus.ERROR, ArtefactNotSeenError, "unreliable"),
+        (RotationStatus.VALID | RotationStatus.ERROR, ArtefactNotSeenError, "unreliable"),
+        (0, ArtefactNotSeenError, "unreliable"),
     ],
 )
 async def test_an_orientation_that_the_tracker_does_not_vouch_for_is_no_pose(
@@ -213,7 +213,7 @@ async def test_what_is_no_pose_closes_the_link(emscon, tracker, changes):
         (
             answered(encode(pose()) + encode(pose(position1=1.0))),
             RemoteProtocolError,
-            "more than was asked",
+            "more data than requested",
         ),
     ],
 )

@@ -346,5 +346,5 @@ def test_members_are_read_as_what_they_are():
         record.number("reflector_name")
     with pytest.raises(PacketError, match="integer"):
         record.integer("val1")
-    with pytest.raises(PacketError, match="text was expected"):
+    with pytest.raises(PacketError, match="expected text"):
         record.text("val1")

@@ -94,17 +94,17 @@ async def test_a_tracker_that_somebody_changes_all_the_time_is_busy(emscon, trac
 
 
 NOT_INITIALISED = [
-    (Command.GET_UNITS, told(len_unit_type=0), DeviceRefusedError, "did not take over"),
-    (Command.GET_COORDINATE_SYSTEM_TYPE, told(coord_sys_type=1), DeviceRefusedError, "did not take over"),
+    (Command.GET_UNITS, told(len_unit_type=0), DeviceRefusedError, "did not accept"),
+    (Command.GET_COORDINATE_SYSTEM_TYPE, told(coord_sys_type=1), DeviceRefusedError, "did not accept"),
     (
         Command.GET_SYSTEM_SETTINGS,
         told(apply_station_orientation_params=True),
         DeviceRefusedError,
-        "did not take over",
+        "did not accept",
     ),
-    (Command.GET_MEASUREMENT_MODE, told(meas_mode=1), DeviceRefusedError, "did not take over"),
+    (Command.GET_MEASUREMENT_MODE, told(meas_mode=1), DeviceRefusedError, "did not accept"),
     (Command.GET_REFLECTOR, told(internal_reflector_id=3), DeviceRefusedError, "reflector"),
-    (Command.GET_UNITS, refused(), DeviceRefusedError, "number without unit"),
+    (Command.GET_UNITS, refused(), DeviceRefusedError, "without a unit"),
     (Command.GET_SYSTEM_STATUS, told(tracker_processor_status=3), NotInitialisedError, "status display"),
     (Command.GET_REFLECTORS, lambda _: [reflector(0, "", total=0)], ConfigurationError, "none at all"),
     *(

@@ -192,7 +192,7 @@ async def test_frames_that_do_not_go_on_are_a_lost_camera(camera, driver, back):
     camera.stands_at = camera.frame() - back
 
     began_s = asyncio.get_running_loop().time()
-    with pytest.raises(LinkError, match="do not go on"):
+    with pytest.raises(LinkError, match="do not advance"):
         await driver.measure_pose(duration_s=10.0)
 
     assert asyncio.get_running_loop().time() - began_s < 1.0
@@ -254,11 +254,11 @@ async def test_a_camera_that_was_switched_off_and_on_must_be_connected_again(cam
 async def test_another_artefact_is_not_ours(camera, driver, tool):
     camera.see = lambda frame: tool
 
-    with pytest.raises(NotInitialisedError, match="does not follow the artefact"):
+    with pytest.raises(NotInitialisedError, match="no longer tracks the artefact"):
         await driver.measure_pose(duration_s=0.2)
     del camera.see
 
-    with pytest.raises(NotInitialisedError, match="not initialised since"):
+    with pytest.raises(NotInitialisedError, match="not been initialised since"):
         await driver.measure_pose(duration_s=0.2)
 
 
@@ -282,7 +282,7 @@ async def test_a_refusal_is_told_by_its_number(camera, driver, code, error):
 
 async def test_nothing_is_measured_in_no_time_or_before_initialising():
     driver = FakeCamera().driver()
-    with pytest.raises(NotInitialisedError, match="not initialised since it was connected"):
+    with pytest.raises(NotInitialisedError, match="not been initialised since it was connected"):
         await driver.measure_pose(duration_s=1.0)
     await driver.connect()
     await driver.initialise()

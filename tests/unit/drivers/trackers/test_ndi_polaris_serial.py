@@ -85,11 +85,11 @@ async def test_a_port_that_goes_away_meanwhile_is_a_failed_connection():
     line = ScriptedLine()
 
     async def pulled():
-        raise ConnectionLostError("port COM7 is gone: check cable and adapter, then connect again")
+        raise ConnectionLostError("port COM7 was disconnected: check cable and adapter, then connect again")
 
     line.send_break = pulled
 
-    with pytest.raises(ConnectFailedError, match="is gone"):
+    with pytest.raises(ConnectFailedError, match="was disconnected"):
         await CameraLine(line).open()
 
 

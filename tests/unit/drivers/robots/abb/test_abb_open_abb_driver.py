@@ -90,7 +90,7 @@ async def test_a_controller_that_states_another_speed_is_not_moved():
     robot = await connected_robot(fake)
     await robot.identify()
 
-    with pytest.raises(DeviceRefusedError, match="told 50 mm/s and 3 deg/s and states 500 mm/s"):
+    with pytest.raises(DeviceRefusedError, match="set to 50 mm/s and 3 deg/s but reports 500 mm/s"):
         await robot.set_limits(MotionLimits(50.0, math.radians(3.0)))
 
     assert not robot.connected
@@ -258,13 +258,13 @@ async def test_an_arm_that_the_logger_shows_standing_is_told_within_seconds(ours
     half_way = (10.0, -20.55, 30.0, 0.0, 45.0, 20.0)
     target = (*STANDS_DEG[:5], 40.0)
 
-    told_s = await silent_motion(logger_at(half_way), target, r"stands still 20\.00 deg.*emergency", **ours)
+    told_s = await silent_motion(logger_at(half_way), target, r"stopped 20\.00 deg.*emergency", **ours)
 
     assert told_s < 5.5
 
 
 async def test_an_arm_that_never_sets_off_is_told_within_seconds():
-    assert await silent_motion(logger_at(STANDS_DEG), (0.0,) * 6, r"stands still 45\.00 deg") < 7.0
+    assert await silent_motion(logger_at(STANDS_DEG), (0.0,) * 6, r"stopped 45\.00 deg") < 7.0
 
 
 @pytest.mark.parametrize(

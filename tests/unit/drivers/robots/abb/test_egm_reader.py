@@ -206,7 +206,7 @@ async def test_a_robot_is_moved_one_way_and_read_the_other():
 
 @pytest.mark.parametrize(
     ("now", "match"),
-    [({"motors": Motors.OFF}, "motors are off"), ({"rapid": Rapid.STOPPED}, "program stands")],
+    [({"motors": Motors.OFF}, "motors are off"), ({"rapid": Rapid.STOPPED}, "program is stopped")],
 )
 async def test_an_arm_whose_controller_says_that_it_cannot_move_is_not_moved(stream, now, match):
     mover, robot = robot_on(stream)

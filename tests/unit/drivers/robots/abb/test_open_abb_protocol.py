@@ -208,7 +208,7 @@ def test_a_logger_that_begins_no_record_is_refused():
     reader = LogReader()
     reader.receive_data(b"1 " * 1000)
 
-    with pytest.raises(OpenAbbProtocolError, match="no record"):
+    with pytest.raises(OpenAbbProtocolError, match="not a logger record"):
         reader.next_line()
 
 
@@ -217,7 +217,7 @@ def test_a_broken_record_is_refused_and_the_next_is_read():
     reader = LogReader()
     reader.receive_data(b"# 0 d t 1 2 3" + encode_log_line(good) + b"#")
 
-    with pytest.raises(OpenAbbProtocolError, match="no record"):
+    with pytest.raises(OpenAbbProtocolError, match="not a logger record"):
         reader.next_line()
 
     assert reader.next_line() == good

@@ -109,7 +109,7 @@ async def test_joints_of_which_nobody_can_tell_whether_they_are_whole_close_the_
     fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
     robot = await connected_robot(fake)
 
-    with pytest.raises(RemoteProtocolError, match="lost or came twice"):
+    with pytest.raises(RemoteProtocolError, match="lost or duplicated"):
         await robot.read_joints()
     assert not robot.connected
 

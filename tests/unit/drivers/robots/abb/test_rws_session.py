@@ -125,7 +125,7 @@ async def test_a_connection_that_is_gone_is_not_opened_again_unseen(server, sess
 @pytest.mark.parametrize(
     ("said", "match"),
     [
-        (encode_response(FakeServer.joints()) + b"HTTP/1.1 200 OK\r\n", "more than was asked"),
+        (encode_response(FakeServer.joints()) + b"HTTP/1.1 200 OK\r\n", "more data than requested"),
         (ENDLESS, "more than 1048576"),
         (b"4 1 10.00 20.00 30.00 40.00 50.00 60.00\r\n\r\n", "no HTTP"),
         (encode_response(HttpResponse(200, (), b"<html>")), "no JSON"),
@@ -145,7 +145,7 @@ async def test_silence_is_told_within_two_seconds_and_closes_the_link(said):
     session = await opened(FakeServer(said))
     began_s = asyncio.get_running_loop().time()
 
-    with pytest.raises(NoReplyError, match="says nothing"):
+    with pytest.raises(NoReplyError, match="does not respond"):
         await joints(session)
 
     assert asyncio.get_running_loop().time() - began_s == pytest.approx(1.5, abs=0.1)
@@ -157,7 +157,7 @@ async def test_silence_is_told_within_two_seconds_and_closes_the_link(said):
     [
         (404, b"", r"refused GET /rw/motionsystem/.* \(HTTP status 404\)"),
         (400, protocol.encode_error(-1, "Symbol tgt not found"), "Symbol tgt not found"),
-        (503, b"", "too many clients, end some"),
+        (503, b"", "too many clients are connected, close some"),
     ],
 )
 async def test_a_refusal_is_told_and_leaves_the_link_open(status, body, match):

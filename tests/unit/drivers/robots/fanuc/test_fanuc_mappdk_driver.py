@@ -153,7 +153,7 @@ async def test_a_server_that_does_not_watch_as_told_is_not_moved():
     fake = ours(watch="1:wrong-watch-value")
     robot = await connected(fake)
 
-    with pytest.raises(DeviceRefusedError, match="does not watch"):
+    with pytest.raises(DeviceRefusedError, match="does not monitor"):
         await robot.move_joints(TARGET)
     assert fake.shown_deg == (0.0,) * 6
 
@@ -236,7 +236,7 @@ async def test_a_line_end_behind_a_reply_is_nothing():
 
 
 async def test_who_lets_in_and_does_not_greet_is_busy_with_another():
-    with pytest.raises(ConnectFailedError, match=r"does not greet.*another client.*pendant"):
+    with pytest.raises(ConnectFailedError, match=r"sends no greeting.*another client.*pendant"):
         await connected(FakeController(greeting=b""))
 
 
@@ -327,7 +327,7 @@ async def test_an_arm_that_the_logger_shows_standing_is_told_within_seconds(serv
     robot = MappdkRobot(MemoryLink(server.serve), FixedClock(), logger=MemoryLink(logging.serve))
     await robot.connect()
 
-    assert await told_after_s(robot, r"stands still 15\.00 deg before its target.*pendant") < 5.0
+    assert await told_after_s(robot, r"stopped 15\.00 deg before its target.*pendant") < 5.0
     assert not robot.connected
 
 

@@ -218,7 +218,7 @@ def test_a_motion_keeps_its_values(axes, percent):
 
 
 def test_refusals_are_said_in_words():
-    assert "out of turn" in protocol.in_words(2_556_957)
+    assert "out of sequence" in protocol.in_words(2_556_957)
     assert "delete it on the pendant" in protocol.in_words(7015)
     assert "999" in protocol.in_words(999)
     assert [protocol.is_of_target(error) for error in (2_556_964, 15_017, 2_556_957, 7015)] == [

@@ -89,14 +89,14 @@ async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits
 @pytest.mark.parametrize(
     ("fake", "override_percent", "limits", "complaint"),
     [
-        (FakeController(), 1, MotionLimits(1e5, math.radians(4.0)), "raise the speed override"),  # endless
+        (FakeController(), 1, MotionLimits(1e5, math.radians(4.0)), "raise the speed limits"),  # endless
         (
             FakeController(FRC_SetOverRide=lambda packet: encode(reply(packet))),
             100,
             MotionLimits(1e5, math.radians(2.0)),
             "override of 57 %",  # is not kept
         ),
-        (FakeController(), 100, MotionLimits(0.01, math.radians(3.0)), "no speed as low"),
+        (FakeController(), 100, MotionLimits(0.01, math.radians(3.0)), "cannot move as slowly"),
     ],
 )
 async def test_a_motion_that_no_speed_or_override_makes_right_is_refused(

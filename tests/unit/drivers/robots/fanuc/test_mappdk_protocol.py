@@ -240,7 +240,7 @@ def test_the_identity_of_our_own_server_is_read():
 
     assert decode_identity(reply) == ("LR Mate 200iC", "F123456", "V7.70P")
     assert decode_identity(Reply(1, "wrong-command")) is None
-    with pytest.raises(MappdkProtocolError, match="no identity"):
+    with pytest.raises(MappdkProtocolError, match="not an identity"):
         decode_identity(Reply(0, "truepose 1,LR Mate;"))
 
 

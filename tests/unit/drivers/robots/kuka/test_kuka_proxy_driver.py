@@ -207,7 +207,7 @@ async def test_an_abandoned_motion_is_heard_of_no_more(fake, robot):
         ({"$PRO_STATE1": "#P_FREE"}, "no program runs.*TRUEPOSE.*confirm"),
         ({"$PERI_RDY": "FALSE"}, "drives.*TRUEPOSE.*confirm"),
         ({"TP_STATE": ""}, "not on the controller.*TRUEPOSE.*confirm"),
-        ({"TP_STATE": encode_state(ProgramState(5, 4, 0, 0))}, "still moves"),
+        ({"TP_STATE": encode_state(ProgramState(5, 4, 0, 0))}, "still moving"),
     ],
 )
 async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why(changes, words):
@@ -225,7 +225,7 @@ async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why(changes,
     [
         (["begun", "given_up"], ConnectionLostError, r"0\.8 s", True),
         ([], NotInitialisedError, "did not begin", True),  # another program runs
-        (["begun"], NoReplyError, "not arrived in time", False),
+        (["begun"], NoReplyError, "not reach its target in time", False),
         (["begun", "arrived"], RemoteProtocolError, r"70\.000 deg off", False),
     ],
 )
@@ -313,7 +313,7 @@ async def test_what_older_software_does_not_tell_is_unknown():
 async def test_whoever_has_no_axes_is_no_robot():
     robot = KukaRobot(MemoryLink(FakeController(**{"$AXIS_ACT": ""}).serve), FixedClock())
 
-    with pytest.raises(ConnectFailedError, match="controller of KUKA"):
+    with pytest.raises(ConnectFailedError, match="KUKA controller"):
         await robot.connect()
     assert not robot.connected
 
@@ -337,6 +337,6 @@ async def test_two_motions_at_once_go_one_after_the_other(fake, robot):
 async def test_more_than_was_asked_closes_the_link(fake, robot):
     fake.spoil = lambda request, answer: encode_answer(answer) * 2
 
-    with pytest.raises(RemoteProtocolError, match="more than was asked"):
+    with pytest.raises(RemoteProtocolError, match="more data than requested"):
         await robot.read_joints()
     assert not robot.connected

@@ -61,7 +61,7 @@ def test_a_program_that_ends_on_the_way_was_broken_off():
     progress = begun()
 
     progress.arrived(at(0.2), 0.2)
-    with pytest.raises(NotInitialisedError, match="broken off"):
+    with pytest.raises(NotInitialisedError, match="interrupted"):
         progress.arrived(replace(at(0.2), runtime_state=1), 0.5)
 
 

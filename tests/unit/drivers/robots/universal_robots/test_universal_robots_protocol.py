@@ -156,7 +156,7 @@ def test_what_begins_no_packet_is_known_at_once(data):
 
 @pytest.mark.parametrize("payload", [b"", b"\x02" + bytes(148), b"\x01" + bytes(3)])
 def test_data_of_another_recipe_are_none(payload):
-    with pytest.raises(UrProtocolError, match="due were"):
+    with pytest.raises(UrProtocolError, match="expected"):
         Recipe(1, OUTPUTS).unpack(payload)
 
 
@@ -170,7 +170,7 @@ def test_what_is_no_number_is_no_state(number):
 
 
 def test_other_types_than_expected_are_not_taken():
-    with pytest.raises(UrProtocolError, match="types INT32 were stated; due were DOUBLE"):
+    with pytest.raises(UrProtocolError, match="types INT32 were reported; expected DOUBLE"):
         agreed_recipe(1, ["INT32"], {"timestamp": "DOUBLE"})
 
 
@@ -232,13 +232,13 @@ def test_a_line_without_end_is_no_line():
     reader = LineReader()
     reader.receive_data(b"x" * 1001)
 
-    with pytest.raises(UrProtocolError, match="without the end"):
+    with pytest.raises(UrProtocolError, match="no line end"):
         reader.next_message()
 
 
 def test_a_dashboard_says_who_it_is():
     require_greeting(GREETING)
-    with pytest.raises(UrProtocolError, match="no dashboard"):
+    with pytest.raises(UrProtocolError, match="not an answer"):
         require_greeting("SSH-2.0-OpenSSH")
 
 
@@ -253,5 +253,5 @@ def test_a_name_is_taken_or_unknown(line, name):
 
 @pytest.mark.parametrize("line", ["", "<html>", "x" * 41])
 def test_what_is_no_name_is_nonsense(line):
-    with pytest.raises(UrProtocolError, match="no name"):
+    with pytest.raises(UrProtocolError, match="not a name"):
         stated_name(line)
