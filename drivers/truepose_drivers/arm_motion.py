@@ -76,8 +76,7 @@ def stopped_unheard(silence_s: float) -> ConnectionLostError:
     """Return the error of a program that stopped the arm because nobody was heard for so long [s]."""
     return ConnectionLostError(
         f"the robot stopped during the motion because it received nothing for {silence_s:g} s: check the"
-        " network, then"
-        " confirm before anything moves"
+        " network, then confirm before anything moves"
     )
 
 

@@ -112,8 +112,7 @@ class RapidProgram:
         if name != protocol.SERVER:
             raise NotInitialisedError(
                 "the robot does not run the truepose program: load TruePoseRws.mod into task T_ROB1 from"
-                " the pendant,"
-                " then confirm"
+                " the pendant, then confirm"
             )
 
     async def _give(self, order: protocol.Order) -> protocol.Order:
@@ -171,8 +170,7 @@ class RapidProgram:
         if now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
                 f"the robot has not moved for {self._patience.stands_s:g} s and has not reached its target:"
-                " check the"
-                " pendant, then connect again"
+                " check the pendant, then connect again"
             )
         return course
 

@@ -91,8 +91,7 @@ class HidBallbar(OnePortDevice):
         if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
             raise protocol.HidBallbarError(
                 f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and reports a"
-                " deviation of"
-                f" {reading.deviation_mm:g} mm off: check its cable"
+                f" deviation of {reading.deviation_mm:g} mm: check its cable"
             )
         return reading
 

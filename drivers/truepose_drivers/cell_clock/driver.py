@@ -42,7 +42,7 @@ class CellClock:
     async def _ask(self, request: Request, timeout_s: float) -> float:
         async with self._conversation() as conversation:
             where = f"the cell's clock at {conversation.address}"
-            silence = f"{where} says nothing for {timeout_s:g} s"
+            silence = f"{where} did not respond within {timeout_s:g} s"
             answer = await conversation.ask(
                 encode(request), decode_answer, timeout_s=timeout_s, silence=silence
             )

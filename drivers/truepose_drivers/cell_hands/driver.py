@@ -45,8 +45,8 @@ class CellHands(OnePortDevice):
         except ValueError as error:
             raise DeviceRefusedError(f"the hands cannot do that: {error}") from error
         silence = (
-            f"the simulated hands at {self._conversation.address} say nothing"
-            f" for {self._answer_timeout_s:g} s: check that the simulated cell runs"
+            f"the simulated hands at {self._conversation.address} did not"
+            f" respond within {self._answer_timeout_s:g} s: check that the simulated cell runs"
         )
         return await self._conversation.ask(
             line, decode_answer, timeout_s=self._answer_timeout_s, silence=silence

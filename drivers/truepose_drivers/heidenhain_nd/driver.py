@@ -138,7 +138,7 @@ class HeidenhainCounter(OnePortDevice):
         await self._conversation.send(
             b"".join(map(protocol.encode_request, commands)),
             timeout_s=self._reply_timeout_s,
-            silence=f"{self._counter} says nothing for {self._reply_timeout_s:.1f} s: {_CHECK_LINE}",
+            silence=f"{self._counter} did not respond within {self._reply_timeout_s:.1f} s: {_CHECK_LINE}",
         )
 
 

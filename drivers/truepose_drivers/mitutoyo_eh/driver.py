@@ -54,8 +54,7 @@ class EhCounter:
         if reply.mode != "N":
             raise LineGaugeError(
                 f"channel {channel} is set to hold its maximum, minimum or range (G{reply.mode}), not its"
-                " value:"
-                " set the counter to normal measurement"
+                " value: set the counter to normal measurement"
             )
         return Display(reply.value)
 

@@ -118,7 +118,9 @@ class UsbItnGauge(OnePortDevice):
                 return reply
 
     async def _send(self, command: bytes) -> None:
-        silence = f"the cable at {self._port.address} says nothing: {_PLUG}, and check the gauge's battery"
+        silence = (
+            f"the cable at {self._port.address} does not respond: {_PLUG}, and check the gauge's battery"
+        )
         self._replies.expect(self._reply_timeout_s, silence)
         await self._port.control_out(VENDOR_TO_DEVICE, protocol.SEND_COMMAND, data=command)
 

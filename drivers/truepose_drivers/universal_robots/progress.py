@@ -93,8 +93,7 @@ class Progress:
         if now_s - self._moved_s > _STANDS_AT_MOST_S:
             raise NoReplyError(
                 f"the robot has not moved for {_STANDS_AT_MOST_S:g} s and has not reached its target: check"
-                " the"
-                " pendant for a paused program, then connect again"
+                " the pendant for a paused program, then connect again"
             )
 
 

@@ -33,7 +33,7 @@ async def whole_answers_are_right(trial: Trial) -> None:
     await _read_several(trial)
 
 
-@case(remedy="collect bytes until a message has ended, as LineReader does; decode nothing before")
+@case(remedy="collect bytes until a message is complete, as LineReader does; decode nothing before")
 async def answers_in_single_bytes_are_right(trial: Trial) -> None:
     """An answer that arrives byte by byte is the same answer."""
     trial.wiring.piece_bytes = 1
@@ -42,7 +42,7 @@ async def answers_in_single_bytes_are_right(trial: Trial) -> None:
 
 @case(
     times=_SEEDS,
-    remedy="take a number only when its message has ended; wait for the rest as long as for an answer",
+    remedy="take a number only when its message is complete; wait for the rest as long as for an answer",
 )
 async def answers_that_stall_are_waited_for(trial: Trial) -> None:
     """An answer that stalls for 50 ms, be it inside a number, is waited for and read whole."""
@@ -54,7 +54,7 @@ async def answers_that_stall_are_waited_for(trial: Trial) -> None:
 
 @case(
     times=_SEEDS,
-    remedy="look whether more stands behind the answer, and refuse it; Conversation.ask does",
+    remedy="check whether more data follows the answer, and refuse it; Conversation.ask does",
 )
 async def repeated_and_merged_answers_are_no_reading(trial: Trial) -> None:
     """An answer that comes twice, or into which another one runs, is read right or refused."""
@@ -64,7 +64,7 @@ async def repeated_and_merged_answers_are_no_reading(trial: Trial) -> None:
 
 @case(
     times=_SEEDS,
-    remedy="drain what came unasked before asking, and close the link after silence; Conversation does both",
+    remedy="drain unrequested data before asking, and close the link after silence; Conversation does both",
 )
 async def stale_answers_are_no_reading(trial: Trial) -> None:
     """What belongs to an earlier question, in whole or in part, is never taken for the answer to this one."""
@@ -92,7 +92,8 @@ async def garbage_closes_the_link(trial: Trial) -> None:
 
 @case(
     special="nonsense",
-    remedy="refuse what no device of the kind can mean: not finite, out of range, another form or count",
+    remedy="refuse values that are impossible for this kind of device: not finite, out of range, another"
+    " form or count",
 )
 async def impossible_values_are_no_reading(trial: Trial) -> None:
     """A well-formed answer that no device can mean is refused."""
@@ -101,7 +102,7 @@ async def impossible_values_are_no_reading(trial: Trial) -> None:
 
 @case(
     special="foreign",
-    remedy="compare the number, handle or name of what is answered with what was asked",
+    remedy="compare the number, handle or name in the answer with the request",
 )
 async def answers_to_others_are_no_reading(trial: Trial) -> None:
     """What the device says to another program, of another part or at the press of a key is no reading."""
@@ -110,7 +111,7 @@ async def answers_to_others_are_no_reading(trial: Trial) -> None:
 
 @case(
     special="unit",
-    remedy="ask for the unit with every reading, or set it and read it back; refuse one that is not known",
+    remedy="ask for the unit with every reading, or set it and read it back; refuse an unknown one",
 )
 async def another_unit_changes_no_reading(trial: Trial) -> None:
     """A unit that is changed at the device is converted or refused, never taken for millimetres."""
@@ -119,7 +120,7 @@ async def another_unit_changes_no_reading(trial: Trial) -> None:
 
 @case(
     special="frozen",
-    remedy="compare the device's count or time stamp with the last one, and refuse what does not go on",
+    remedy="compare the device's count or time stamp with the last one, and refuse one that does not advance",
 )
 async def a_frozen_device_gives_no_reading(trial: Trial) -> None:
     """A device that repeats its last reading is not taken for one that stands still."""
@@ -193,7 +194,7 @@ _LATEST_S: Final = 0.1  # at which a question is given up
 
 @case(
     times=12,
-    remedy="hold the conversation in Turns.turn(), which closes the link of a question that was given up",
+    remedy="hold the conversation in Turns.turn(), which closes the link after an abandoned request",
 )
 async def a_question_given_up_leaves_nothing_behind(trial: Trial) -> None:
     """A reading that is cancelled in the middle leaves no answer for the next one to take."""
@@ -211,7 +212,7 @@ async def a_question_given_up_leaves_nothing_behind(trial: Trial) -> None:
 
 @case(
     times=4,
-    remedy="let one exchange wait for the other: Conversation.ask does, Turns.turn() where you need more",
+    remedy="let exchanges wait for each other: Conversation.ask does, Turns.turn() where you need more",
 )
 async def questions_at_once_get_their_own_answers(trial: Trial) -> None:
     """Several tasks that ask at once each get a right reading, or an error, never each other's answer."""

@@ -55,7 +55,7 @@ async def nobody_at_the_address_is_told(trial: Trial) -> None:
 
 @case(
     kinds=LINKED,
-    remedy="end connect by asking who is there; close the link where nobody says it",
+    remedy="end connect by asking who is there; close the link if no such device answers",
 )
 async def connect_asks_who_is_there(trial: Trial) -> None:
     """An open port behind which nobody speaks the protocol is no connection."""
@@ -124,7 +124,7 @@ async def it_says_who_it_is(trial: Trial) -> None:
 
 @case(
     kinds=LINKED,
-    remedy="ask for the serial number at every identify; keep none over a connection",
+    remedy="ask for the serial number at every identify; keep none from one connection to the next",
 )
 async def another_serial_number_is_told(trial: Trial) -> None:
     """After a reconnection, identify tells the serial number of the device that answers now."""
@@ -143,7 +143,7 @@ async def another_serial_number_is_told(trial: Trial) -> None:
 
 @case(
     kinds=LINKED,
-    remedy="let connect close what was open and forget what was known of it",
+    remedy="let connect close the old link and forget its state",
 )
 async def connecting_again_begins_afresh(trial: Trial) -> None:
     """Connect may be called again at any time, and readings go on."""
@@ -156,7 +156,7 @@ async def connecting_again_begins_afresh(trial: Trial) -> None:
 
 @case(
     kinds=LINKED,
-    remedy="pass ConnectionLostError of the link on, and let `connected` say what the link says",
+    remedy="pass ConnectionLostError of the link on, and let `connected` return the state of the link",
 )
 async def a_device_that_hangs_up_is_lost_and_comes_back(trial: Trial) -> None:
     """A connection that the device ends is a LinkError, `connected` is false, and connect brings it back."""

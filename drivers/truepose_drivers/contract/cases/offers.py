@@ -85,7 +85,7 @@ async def its_options_are_explained(trial: Trial) -> None:
     """Every option of the cell file has a sentence."""
     terse = [name for name, words in trial.bench.plugin.options.items() if len(words.split()) < _FEWEST_WORDS]
     if terse:
-        broken(f"the options {', '.join(terse)} have no sentence")
+        broken(f"the options {', '.join(terse)} have no description")
 
 
 @case(
