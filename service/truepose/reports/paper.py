@@ -79,9 +79,9 @@ def require_pdf() -> None:
             import weasyprint  # noqa: F401  # it looks for the libraries of the system when it is imported
     except OSError as error:
         raise NoPdfError(
-            "A PDF needs the text library Pango, which is not on this machine: install it (Debian and "
-            "Ubuntu: apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0; macOS: "
-            "brew install pango; Windows: mingw-w64-ucrt-x86_64-pango of MSYS2), or take the .html."
+            "A PDF needs the text library Pango, which is not installed on this computer: install it"
+            " (Debian and Ubuntu: apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0;"
+            " macOS: brew install pango; Windows: mingw-w64-ucrt-x86_64-pango of MSYS2), or use the .html."
         ) from error
 
 

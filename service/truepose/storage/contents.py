@@ -94,8 +94,8 @@ async def require_of_plant(database: Database) -> None:
     """Raise ForeignDatabaseError for a database with a cell's records and none of a plant."""
     if await database.read(lambda c: _has(c, _OF_CELLS) and not _has(c, _OF_PLANTS)):
         raise ForeignDatabaseError(
-            f"{database.backend.where} is the database of a cell, and a plant has one of its own: choose "
-            "another with --database."
+            f"{database.backend.where} is the database of a cell, but a plant needs its own: choose another"
+            " with --database."
         )
 
 

@@ -52,7 +52,9 @@ T = TypeVar("T")
 _LOG: Final = logging.getLogger(__name__)
 # A group that fails is run anew, so its size is what one bad write may cost the others.
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
-_IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
+_IN_DOUBT: Final = (
+    "The connection to {} ended during a commit; whether the commit succeeded is known once it is back."
+)
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
 
 

@@ -92,7 +92,7 @@ def from_document(kind: type[T], document: Any) -> T:
 
 def _unreadable(what: str, error: Exception) -> DamagedDatabaseError:
     return DamagedDatabaseError(
-        f"A stored {what} cannot be read ({error}); 'truepose verify' says what else is damaged."
+        f"A stored {what} cannot be read ({error}); 'truepose verify' shows what else is damaged."
     )
 
 

@@ -90,7 +90,7 @@ class DraftFolder:
             self._expire()
             numbers = self.numbers()
             if len(numbers) >= MOST_DRAFTS:
-                raise ConflictError(f"{MOST_DRAFTS} drafts are kept already; throw one away first.")
+                raise ConflictError(f"{MOST_DRAFTS} drafts exist already; delete one first.")
             now = _now()
             draft = Draft(self._next_number(numbers), now, now)
             self._place(draft.id).mkdir(parents=True)
@@ -127,7 +127,7 @@ class DraftFolder:
         """Receive a file: it counts once `keep` is called within. Raises NotFoundError, ConflictError."""
         draft = self.get(number)
         if len(draft.files) >= MOST_FILES:
-            raise ConflictError(f"A draft has {MOST_FILES} files at most; bring a zip of them.")
+            raise ConflictError(f"A draft has {MOST_FILES} files at most; import them as a zip.")
         with _told_of_disk():
             # Received without the lock: an upload takes as long as its sender, and others go on meanwhile.
             incoming = Incoming(self, number, MOST_BYTES - draft.size_bytes)
@@ -290,7 +290,7 @@ class Incoming:
 
 
 def _too_large() -> ConflictError:
-    return ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; bring fewer files, or a zip.")
+    return ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; import fewer files, or a zip.")
 
 
 def _changed(draft: Draft, **changes: Any) -> Draft:
@@ -317,8 +317,8 @@ def _told_of_disk() -> Iterator[None]:
         yield
     # A folder that is gone is no fault of the disk: somebody threw the draft away while a file came in.
     except FileNotFoundError as error:
-        raise ConflictError("The draft was thrown away meanwhile.") from error
+        raise ConflictError("The draft has been deleted in the meantime.") from error
     except OSError as error:
         raise StorageUnavailableError(
-            f"The disk refused what was brought ({error.strerror}); free some space and bring it again."
+            f"The files could not be saved ({error.strerror}); free some disk space and import them again."
         ) from error

@@ -91,7 +91,8 @@ class ServerRefusedError(StorageUnavailableError):
 def damaged(where: str, said: str) -> DamagedDatabaseError:
     """Return the error of a database that does not hold what was written."""
     return DamagedDatabaseError(
-        f"The database {where} is damaged ({said}); end the service, keep the file, restore the last backup."
+        f"The database {where} is damaged ({said}); stop the service, keep the file, and restore the last"
+        " backup."
     )
 
 

@@ -111,7 +111,7 @@ def answered_number(connection: Connection, key: RequestKey, resource: str) -> i
     # would hide that what it asks for was never done.
     if (known.fingerprint, known.resource) != (key.fingerprint, resource):
         raise KeyReusedError(
-            f"The Idempotency-Key '{key.key}' was used for another request; take a new key for a new request."
+            f"The Idempotency-Key '{key.key}' was already used for another request; use a new key."
         )
     return int(known.resource_id)
 

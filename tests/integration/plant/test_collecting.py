@@ -423,7 +423,7 @@ async def test_a_cell_with_the_chain_that_was_collected_has_no_other_to_accept(p
     await cell.measure()
     await plant.visit(cell)
 
-    with pytest.raises(ConflictError, match="left arm shows the chain that was collected"):
+    with pytest.raises(ConflictError, match="left arm still has the chain that was collected"):
         await plant.journal.accept_other_chain("left arm", "Ada Byron", "to be sure")
 
 

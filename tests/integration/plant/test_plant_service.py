@@ -147,7 +147,7 @@ async def test_a_chain_that_is_the_one_collected_needs_no_acceptance(service, ce
     )
 
     assert answer.status_code == 409
-    assert "shows the chain that was collected" in answer.json()["detail"]
+    assert "still has the chain that was collected" in answer.json()["detail"]
 
 
 async def test_a_hand_down_to_a_cell_that_nobody_knows_is_refused(service):
@@ -219,9 +219,7 @@ async def test_a_plant_and_a_cell_do_not_share_a_database(open_cell, open_plant,
     with open_plant("cell") as plant:
         await plant.journal.enter("left arm")
 
-    with pytest.raises(
-        ForeignDatabaseError, match="is the database of a cell, and a plant has one of its own"
-    ):
+    with pytest.raises(ForeignDatabaseError, match="is the database of a cell, but a plant needs its own"):
         async with served_plant(url):
             pass
     with pytest.raises(

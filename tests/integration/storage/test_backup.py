@@ -102,10 +102,10 @@ async def test_a_copy_takes_the_place_of_nothing_unasked(database, copy):
     await asyncio.to_thread(back_up, database.file, copy)
     await add(database, "second")
 
-    with pytest.raises(BackupError, match="is there already"):
+    with pytest.raises(BackupError, match="already exists"):
         back_up(database.file, copy)
     assert names(copy) == ["first"]
-    with pytest.raises(BackupError, match="is there already"):
+    with pytest.raises(BackupError, match="already exists"):
         back_up(database.file, database.file, replace=True)
 
     back_up(database.file, copy, replace=True)
@@ -138,7 +138,7 @@ def test_a_copy_is_restored_where_there_is_nothing(left, copy, tmp_path):
 
 
 def test_a_used_database_is_not_overwritten_unasked(left, copy):
-    with pytest.raises(DatabaseUsedError, match="holds records already"):
+    with pytest.raises(DatabaseUsedError, match="already contains records"):
         restore(copy, left)
 
     assert names(left) == ["first", "second"]
@@ -175,7 +175,7 @@ def test_a_damaged_database_is_put_aside_for_its_copy(damaged, left, copy):
     left.write_bytes(damaged(left.read_bytes()))
     content = left.read_bytes()
 
-    with pytest.raises(DatabaseUsedError, match="holds records already"):
+    with pytest.raises(DatabaseUsedError, match="already contains records"):
         restore(copy, left)
     _, kept = restore(copy, left, replace=True)
 
@@ -206,7 +206,7 @@ async def test_beside_a_service_a_copy_is_laid_ready_for_the_next(database_url, 
     back_up(database.file, copy)
     await add(database, "second")
 
-    with pytest.raises(DatabaseUsedError, match="holds records already"):
+    with pytest.raises(DatabaseUsedError, match="already contains records"):
         lay_ready(copy, database.file)
     head, _ = lay_ready(copy, database.file, replace=True)
     with pytest.raises(DatabaseInUseError):
@@ -263,7 +263,7 @@ def test_whole_pages_with_less_in_them_than_was_laid_ready_keep_it_from_starting
             laid.execute(statement)
     laid.close()
 
-    with pytest.raises(BackupError, match="was changed since it was laid ready"):
+    with pytest.raises(BackupError, match="was changed after it was prepared"):
         put_ready_in_place(left)
 
     assert names(left) == ["first", "second"]

@@ -228,7 +228,9 @@ async def test_the_readings_of_a_session_are_not_used_where_one_was_changed(data
 
     tamper(database.file, TAMPERED["a reading that is 1 mm longer"])
 
-    with pytest.raises(DamagedDatabaseError, match="Record 3 of the readings of session 1 is not as it was"):
+    with pytest.raises(
+        DamagedDatabaseError, match="Record 3 of the readings of session 1 differs from what was written"
+    ):
         await sessions.require_intact(1)
     await sessions.require_intact(2)
 

@@ -65,10 +65,10 @@ async def test_nothing_new_begins_until_there_is_room(database, disk):
     disk.fill()
     await measure(database, session, 40)
 
-    with pytest.raises(StorageUnavailableError, match="nothing new begins"):
+    with pytest.raises(StorageUnavailableError, match="nothing new starts"):
         await add(database)
     await database.keep_reserve()
-    with pytest.raises(StorageUnavailableError, match="nothing new begins"):
+    with pytest.raises(StorageUnavailableError, match="nothing new starts"):
         await add(database)
 
     disk.make_room()

@@ -68,5 +68,6 @@ def _require_within(reading: JointReading, ranges: tuple[JointRange, ...]) -> No
             low, high = math.degrees(own.lower_rad), math.degrees(own.upper_rad)
             raise ImplausibleReadingError(
                 f"the robot states joint {number} at {math.degrees(angle):.2f} deg; the robot of this cell"
-                f" turns it from {low:g} to {high:g} deg: look whether it is that robot, and at its link"
+                f" turns it from {low:g} to {high:g} deg: check that it is the right robot, and its"
+                " connection"
             )

@@ -132,7 +132,7 @@ def _found(fixed: Fixed, record: TrackerRecord | ContactRecord) -> _Found:
             return _of_tracker(plan, len(fixed.setup.cell.fixed_nests), of_tracker)
         case ContactPlan() as contact_plan, ContactRecord() as of_contacts:
             return _of_contacts(contact_plan, of_contacts)
-    raise TypeError("the plan and the record are not of one kind of session")
+    raise TypeError("the plan and the record are from different kinds of session")
 
 
 def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> _Found:

@@ -185,7 +185,7 @@ def write_copy(database: Path, target: Path, write: Write, told: Told, *, replac
     """
     # Also with `replace` the database itself is no target, by whatever name it is reached.
     if target.exists() and (not replace or (database.exists() and target.samefile(database))):
-        raise BackupError(f"{target} is there already; choose another file.")
+        raise BackupError(f"{target} already exists; choose another file.")
     part = target.with_name(f"{target.name}.part")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -237,7 +237,7 @@ def require_copy(file: Path, head: Head) -> None:
     with contextlib.closing(opened_file(file)) as copy:
         found = [*_amiss(copy, head)]
     if found:
-        raise BackupError(f"The copy {file} is not what was read: {found[0]} Nothing was kept.")
+        raise BackupError(f"The copy {file} differs from the database: {found[0]} Nothing was kept.")
 
 
 def _amiss(copy: Any, head: Head) -> Iterator[str]:

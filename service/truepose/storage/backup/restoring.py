@@ -83,7 +83,7 @@ def lay_ready(
             sync_folder(ready.parent)
         _seal(ready)
     except (OSError, LIBRARY.DatabaseError) as error:
-        raise BackupError(f"{copy} cannot be laid ready for {database} ({error}).") from error
+        raise BackupError(f"{copy} cannot be prepared for {database} ({error}).") from error
     return head, ready
 
 
@@ -110,7 +110,8 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
     # begun on the old one would be put aside with it at the next start.
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(
-            f"{ready} was to be restored and cannot be ({error}); delete it to go on with what there is."
+            f"{ready} should be restored, but cannot be ({error}); delete it to continue with the current"
+            " database."
         ) from error
     finally:
         lock.release()
@@ -132,8 +133,8 @@ def _require_as_sealed(ready: Path) -> None:
         return
     if digest_of(ready) != sealed.sha256:
         raise BackupError(
-            f"{ready} was changed since it was laid ready; delete it to go on with what there is, or lay it "
-            "ready once more."
+            f"{ready} was changed after it was prepared; delete it to continue with the current database, or"
+            " prepare it again."
         )
 
 
@@ -147,14 +148,14 @@ def _require_allowed(database: Path, replace: bool) -> bool:
     used = _has_records(database)
     if used and not replace:
         raise DatabaseUsedError(
-            f"{database} holds records already; '--replace' puts them aside and restores the copy."
+            f"{database} already contains records; '--replace' moves them aside and restores the copy."
         )
     return used
 
 
 def _require_whole(verdict: Verdict, copy: Path) -> Head:
     if verdict.findings or verdict.head is None:
-        raise BackupError(f"{copy} is not whole, nothing was restored. {verdict.findings[0]}")
+        raise BackupError(f"{copy} failed verification; nothing was restored. {verdict.findings[0]}")
     return verdict.head
 
 
@@ -201,7 +202,7 @@ def _put_aside(database: Path) -> Path:
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     aside = database.with_name(f"{database.name}.{ASIDE}-{stamp}")
     if aside.exists():
-        raise BackupError(f"{aside} is there already; nothing was restored.")
+        raise BackupError(f"{aside} already exists; nothing was restored.")
     # Without its log a database that was killed lacks its newest commits, so all parts are kept under one
     # name.
     for part in _PARTS:

@@ -56,7 +56,8 @@ def restore_at(
         return restore(copy, database_file(url), told, replace=replace)
     if replace:
         raise BackupError(
-            "Nothing is put aside on a server: restore into an empty database of it and keep the one before."
+            "A database on a server is not moved aside: restore into an empty database there and keep the"
+            " old one."
         )
     whole_copy(copy, told)
     return transfer(f"sqlite:///{copy.resolve()}", url, told)[0], None
@@ -138,7 +139,7 @@ class BackupSchedule:
 
     def _require_going_on(self, _share: float, _doing: Text) -> None:
         if self._ended:
-            raise BackupError("The service ends; no copy was made.")
+            raise BackupError("The service is shutting down; no copy was made.")
 
     def _make(self) -> None:
         now_s = self._now_s()
@@ -226,11 +227,11 @@ def _left_behind(database: Path, copies: Path | None, now_s: float) -> Iterator[
         files += sorted(file for file in copies.iterdir() if _PART.fullmatch(file.name))
     for file in files:
         if file.exists() and now_s - file.stat().st_mtime > _SURELY_LEFT_S:
-            yield file, "left behind by a copy that was interrupted"
+            yield file, "left by an interrupted copy"
 
 
 def _surplus_copies(folder: Path, keep: int, now_s: float) -> Iterator[tuple[Path, str]]:
     for _, file in copies_in(folder, now_s)[:-keep]:
-        yield file, f"copy, older than the {keep} that are kept"
+        yield file, f"copy, older than the newest {keep}"
         if drafts_beside(file).exists():
             yield drafts_beside(file), "drafts of such a copy"

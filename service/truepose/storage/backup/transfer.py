@@ -138,8 +138,8 @@ def _commit(backend: DatabaseBackend) -> None:
         if not backend.ended(error):
             raise
         raise BackupError(
-            f"The connection to {backend.where} ended during the commit: it holds every record now, or none; "
-            "look with 'truepose verify'."
+            f"The connection to {backend.where} ended during the commit: it now holds every record, or none; "
+            "check with 'truepose verify'."
         ) from error
 
 
@@ -185,7 +185,7 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
     findings = findings_within(target, lambda share: told(_WRITING + (1 - _WRITING) * share, "verifying"))
     if findings or newest_head(target) != head:
         said = findings[0] if findings else "The newest records are not those of the database."
-        raise BackupError(f"What was copied is not whole: {said} Nothing was kept.")
+        raise BackupError(f"The copy failed verification: {said} Nothing was kept.")
 
 
 def _two(source: str, target: str) -> tuple[Path, Path]:
@@ -196,7 +196,7 @@ def _two(source: str, target: str) -> tuple[Path, Path]:
     # By what the servers say of themselves: two addresses of one database differ in every letter (decision
     # 0068).
     if beside[0] == beside[1]:
-        raise BackupError(f"{display_address(source)} is both source and target; name another target.")
+        raise BackupError(f"{display_address(source)} is both source and target; choose another target.")
     return beside
 
 
@@ -209,7 +209,7 @@ def _require_empty(backend: DatabaseBackend) -> None:
     """Raise DatabaseUsedError where there is any record."""
     for table in metadata.sorted_tables:
         if backend.plain.execute(f'SELECT 1 FROM "{table.name}" LIMIT 1').fetchone() is not None:
-            raise DatabaseUsedError(f"{backend.where} holds records already; name an empty database.")
+            raise DatabaseUsedError(f"{backend.where} already contains records; choose an empty database.")
 
 
 @contextlib.contextmanager
@@ -233,7 +233,7 @@ def _require_readable(url: str, schema: str) -> None:
     """Raise BackupError for a server of an older schema, which is brought up to date in place only."""
     if is_server(parsed_url(url)) and schema != newest_revision():
         raise BackupError(
-            f"{display_address(url)} has schema {schema}; start this version's service on it first."
+            f"{display_address(url)} has schema {schema}; start the service of this version with it first."
         )
 
 
@@ -250,7 +250,7 @@ def _schema(url: str, connection: Any) -> str:
     try:
         found = connection.execute("SELECT version_num FROM alembic_version").fetchone()
     except library_errors(url) as error:
-        raise BackupError(f"{display_address(url)} holds no database of truepose ({error}).") from error
+        raise BackupError(f"{display_address(url)} is not a truepose database ({error}).") from error
     schema = found[0] if isinstance(found[0], str) else bytes(found[0]).decode()
     # Revisions are numbered with leading zeros, so the order of the texts is that of the schemas.
     if schema > newest_revision():

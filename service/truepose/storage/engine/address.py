@@ -41,7 +41,7 @@ def parsed_url(url: str) -> URL:
     parsed = parsed.set(drivername=_ALSO.get(parsed.drivername, parsed.drivername))
     known = parsed.get_backend_name() in {"sqlite", "postgresql"} and "+" not in parsed.drivername
     if not known or parsed.database in _IN_MEMORY:
-        raise DatabaseAddressError(f"'{display_url(parsed)}' is no database that holds records; {_WRITE}")
+        raise DatabaseAddressError(f"'{display_url(parsed)}' cannot hold records; {_WRITE}")
     return _by_socket(parsed)
 
 

@@ -19,8 +19,8 @@ from truepose.storage.integrity.database_identity import ClosingState, has_link
 
 Integrity: TypeAlias = Literal["not_checked", "checking", "whole", "damaged"]
 RESERVE_IN_USE: Final = (
-    "The disk is full; what is under way is brought to its end with a reserve of 16 MB, and nothing new "
-    "begins until there is room."
+    "The disk is full; work in progress finishes with a reserve of 16 MB, and nothing new starts until"
+    " there is space."
 )
 FOREIGN: Final = "foreign"  # damage that a verification clears
 

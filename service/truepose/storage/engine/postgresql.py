@@ -160,8 +160,8 @@ class ServerDatabase(DatabaseBackend):
         # Two links are right: the last one that was acknowledged, and the one of the commit in doubt.
         if newest not in (self._seal.noted, self._doubtful):
             self._lost = (
-                f"While the connection was away, {self.where} was written by another service or put back "
-                "to an earlier moment; end this service and start it again."
+                f"While the connection was away, {self.where} was written by another service or restored to "
+                "an earlier state; restart this service."
             )
             self.connection.close()
             raise ServerRefusedError(self._lost)

@@ -159,30 +159,30 @@ _DAMAGE: Final = ("XX001", "XX002", "42P01", "42703")  # pages, indices, tables 
 _ENDED: Final = ("08", "57P", "25P03")
 _NO_WRITES: Final = "25006"
 
-_ROOM: Final = "make room on the disk of the server, or mend it."
-_CONNECTIONS: Final = "end what else is connected there, or raise max_connections."
+_ROOM: Final = "free disk space on the server, or repair its disk."
+_CONNECTIONS: Final = "close other connections to it, or raise max_connections."
 _RIGHTS: Final = "make the database's user the owner of its schema and tables."
 _CHECK: Final = "check the server and the rights of the database's user."
 _TO_DO: Final[Mapping[str, str]] = {  # by how codes begin
     "53100": _ROOM,
-    "53200": "the server has no memory left: see what else it does.",
+    "53200": "the server is out of memory: check what else runs on it.",
     "533": _CONNECTIONS,
     "58": _ROOM,
     "42501": _RIGHTS,
-    "55P03": "somebody has locked a table: see who.",
-    "57014": "somebody ended the statement: see who.",
+    "55P03": "a table is locked: find out by whom.",
+    "57014": "the statement was cancelled: find out by whom.",
 }
 # Who is not let in is told a sentence and no code, in the server's own language: of others, see _LET_IN.
-_LET_IN: Final = "see that it runs, and that it lets this service in."
+_LET_IN: Final = "check that it is running and accepts this service."
 _NOT_LET_IN: Final[Mapping[str, str]] = {
     "too many clients": _CONNECTIONS,
     "too many connections": _CONNECTIONS,
     "connection slots": _CONNECTIONS,
     "password": "check user and password (PGPASSWORD or ~/.pgpass).",
-    "pg_hba.conf": "let this computer and user in there (pg_hba.conf), with TLS where that is asked for.",
-    "does not support SSL": "set ssl = on there, or ask for none (sslmode).",
-    "certificate": "check the certificate of the server, and sslrootcert.",
-    '" does not exist': "make it there, or name another with --database.",
+    "pg_hba.conf": "allow this computer and user in pg_hba.conf, with TLS if required.",
+    "does not support SSL": "set ssl = on there, or turn TLS off with sslmode.",
+    "certificate": "check the server's certificate, and sslrootcert.",
+    '" does not exist': "create it there, or choose another with --database.",
 }
 
 
@@ -218,8 +218,8 @@ def has_ended(error: Exception) -> bool:
 def _not_reached(where: str, said: str) -> StorageError:
     to_do = next((to_do for words, to_do in _NOT_LET_IN.items() if words in said), None)
     if to_do is None:
-        return ServerAwayError(f"The server of {where} does not answer ({said}); {_LET_IN}")
-    return ServerRefusedError(f"The server of {where} lets nobody in ({said}); {to_do}")
+        return ServerAwayError(f"The server of {where} does not respond ({said}); {_LET_IN}")
+    return ServerRefusedError(f"The server of {where} refused the connection ({said}); {to_do}")
 
 
 def _to_do(code: str) -> str:

@@ -37,11 +37,11 @@ def require_fit(connection: Any, where: str) -> None:
     """Raise ServerRefusedError for a database that cannot keep every record as it is given."""
     number, version, encoding, schema = connection.execute(_FITNESS).fetchone()
     if number < _OLDEST:
-        raise ServerRefusedError(f"The server of {where} is PostgreSQL {version}; take 13 or a newer one.")
+        raise ServerRefusedError(f"The server of {where} is PostgreSQL {version}; use 13 or newer.")
     if encoding != "UTF8":
         raise ServerRefusedError(
-            f"The database {where} has the encoding {encoding}, which does not keep every text; make one "
-            "with ENCODING 'UTF8' TEMPLATE template0. 'truepose copy' brings records there."
+            f"The database {where} has the encoding {encoding}, which cannot store every text; create one "
+            "with ENCODING 'UTF8' TEMPLATE template0. 'truepose copy' copies records there."
         )
     _require_schema(schema, where)
 
@@ -55,8 +55,8 @@ def require_writable(connection: Any, where: str) -> None:
 def read_only(where: str, said: str) -> str:
     """Return what is said of a server that takes no writes."""
     return (
-        f"The server of {where} takes no writes ({said}); it is a standby, or somebody has set it so: name "
-        "the server that writes, or have that set back."
+        f"The server of {where} is read-only ({said}); it is a standby, or was set to read-only: use the"
+        " primary server, or have the setting changed back."
     )
 
 
@@ -66,7 +66,7 @@ def server_file(connection: Any, where: str) -> Path:
         (server,) = connection.execute(_OF_SERVER).fetchone()
     except psycopg.errors.InsufficientPrivilege as error:
         raise ServerRefusedError(
-            f"The server of {where} does not say which one it is; have its administrator GRANT EXECUTE ON "
+            f"The server of {where} does not identify itself; ask its administrator to GRANT EXECUTE ON "
             "FUNCTION pg_control_system() to the database's user."
         ) from error
     database, schema = connection.execute(_OF_DATABASE).fetchone()
@@ -81,7 +81,8 @@ def server_file(connection: Any, where: str) -> Path:
 def _require_schema(schema: str | None, where: str) -> None:
     if schema is None:
         raise ServerRefusedError(
-            f"The database {where} has none of the schemas in its search_path; create one, or name another."
+            f"The database {where} has none of the schemas in its search_path; create one, or choose"
+            " another database."
         )
 
 
@@ -121,8 +122,8 @@ def require_durable(where: str, settings: Mapping[str, str], *, accepted: bool) 
     """Raise ServerRefusedError for a server that loses acknowledged records, unless that is accepted."""
     if settings.get("fsync") == "off" and not accepted:
         raise ServerRefusedError(
-            f"The server of {where} runs with fsync = off: a loss of power takes records that were "
-            "acknowledged. Set fsync = on there; for trials alone, add ?fsync=off to the URL."
+            f"The server of {where} runs with fsync = off: a power failure can lose acknowledged records."
+            " Set fsync = on there; for tests only, add ?fsync=off to the URL."
         )
 
 

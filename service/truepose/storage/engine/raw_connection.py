@@ -93,7 +93,7 @@ def _missing_on_server(connection: Any) -> list[str]:
     # The triggers of a server call one function; replacing its body would put all of them out of force and
     # change none.
     if connection.execute(_SERVER_FUNCTIONS, (FUNCTION,)).fetchall() != [(BODY,)]:
-        gone.append(f"The function {FUNCTION}, which keeps records from being changed, is not as it was.")
+        gone.append(f"The function {FUNCTION}, which protects records from changes, was altered.")
     return gone
 
 
@@ -101,7 +101,7 @@ def _missing(tables: Container[str], triggers: Mapping[str, str], wanted: Mappin
     return [
         *(f"The table {table} is missing." for table in metadata.tables if table not in tables),
         *(
-            f"The trigger {name}, which keeps records from being changed, is not as it was."
+            f"The trigger {name}, which protects records from changes, was altered."
             for name, statement in wanted.items()
             if triggers.get(name) != statement
         ),

@@ -171,7 +171,7 @@ class SQLiteFile(DatabaseBackend):
             # database first.
             self.plain.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._reconnect()
-            _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
+            _LOG.warning("the log of %s was removed while it was open; a new one was started", self.file)
 
     def _reconnect(self) -> None:
         """Open everything anew, while nobody reads."""
@@ -251,7 +251,7 @@ class SQLiteFile(DatabaseBackend):
             return None
         return (
             f"The file {self.file} was changed while no service had it open; "
-            "'truepose verify' says whether records are."
+            "'truepose verify' shows whether records are, too."
         )
 
     def resume(self) -> None:

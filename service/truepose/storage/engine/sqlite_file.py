@@ -179,8 +179,8 @@ class DatabaseFile:
         # By device and inode: a file that was put here under the same name is another one, whatever is in it.
         if found is not None and found != self._is:
             raise StorageUnavailableError(
-                f"Another file lies at {self._file} in place of the open database; put it elsewhere, "
-                "then the service writes its own there again."
+                f"Another file lies at {self._file} in place of the open database; move it, and "
+                "the service writes its own there again."
             )
         return found is None
 
@@ -218,8 +218,8 @@ class DatabaseFile:
                 raise
         except (OSError, LIBRARY.DatabaseError) as error:
             raise StorageUnavailableError(
-                f"The database {self._file} was removed and cannot be written anew ({error}); "
-                "nothing is lost while the service runs. Make room for it at its place."
+                f"The database {self._file} was removed and cannot be rewritten ({error}); nothing "
+                "is lost while the service runs. Make its folder writable and free space there."
             ) from error
         return lock
 

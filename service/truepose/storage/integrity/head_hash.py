@@ -56,7 +56,8 @@ def read_head(printed: str) -> Head:
     code = "".join(groups)
     if not _PRINTED.fullmatch(f"{links} {code}"):
         raise ChainHeadError(
-            f"'{printed}' is no chain head; one reads like 4711-K3QF-7ZWD-M2PA-XY5R, as reports print it."
+            f"'{printed}' is not a chain head; a chain head looks like 4711-K3QF-7ZWD-M2PA-XY5R, as printed"
+            " in reports."
         )
     return Head(int(links), _grouped(code))
 
@@ -93,7 +94,7 @@ def contradiction(connection: Any, printed: Head) -> str | None:
             f"{printed.links}, the database has {newest.links}."
         )
     if head_after(connection, printed.links) != printed:
-        return f"The first {printed.links} records are not those that the head {printed.text} was printed of."
+        return f"The first {printed.links} records do not match the printed head {printed.text}."
     return None
 
 

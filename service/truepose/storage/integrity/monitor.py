@@ -167,4 +167,4 @@ def _told(line: bytes) -> dict[str, Any]:
         told = json.loads(line)
         if isinstance(told, dict) and "share" in told:
             return told
-    raise UnfinishedError(f"the process that reads it said {line[:100]!r}")
+    raise UnfinishedError(f"the process that reads it reported {line[:100]!r}")

@@ -96,12 +96,12 @@ def stream_findings(connection: Any, stream: int) -> Iterator[str]:
             rows = connection.execute(f'SELECT * FROM "{record}" WHERE id = ?', (record_id,))
             names, row = tuple(column[0] for column in rows.description), rows.fetchone()
             if row is None or linked_hash(before, record, names, row) != found:
-                yield f"{_record(record, record_id, stream)} is not as it was written."
+                yield f"{_record(record, record_id, stream)} differs from what was written."
         before = found
     for record in ("readings", "session_entries"):
         held = connection.execute(f"SELECT count(*) FROM {record} WHERE session_id = ?", (stream,))
         if held.fetchone()[0] != linked[record]:
-            yield f"Of the {_words(record)} of session {stream} some were slipped in or taken out."
+            yield f"Of the {_words(record)} of session {stream} some were inserted or removed."
 
 
 class _ChainReader:
@@ -160,7 +160,9 @@ class _ChainReader:
             self.findings.append(f"Link {self._last} of the chain names the unknown table {record}.")
             return
         row, slipped_in = table.row(record_id)
-        self.findings += [f"{_record(record, n, None)} was slipped in." for n in slipped_in]
+        self.findings += [
+            f"{_record(record, n, None)} was inserted without a link in the chain." for n in slipped_in
+        ]
         if row is None:
             self.findings.append(f"{_record(record, record_id, stream)} is missing.")
         elif (
@@ -168,13 +170,15 @@ class _ChainReader:
             # A record that was moved to another session has a right hash in a wrong stream.
             or stream_of(record, table.names, row) != stream
         ) and not is_taken_out(record, table.names, row):
-            self.findings.append(f"{_record(record, record_id, stream)} is not as it was written.")
+            self.findings.append(f"{_record(record, record_id, stream)} differs from what was written.")
 
     def _look_for_more(self) -> None:
         """Find records behind the newest link, and numbers that were given and are no longer there."""
         for record, table in self._tables.items():
             # Numbers above the newest link: nothing has linked them.
-            self.findings += [f"{_record(record, n, None)} was slipped in." for n in table.left()]
+            self.findings += [
+                f"{_record(record, n, None)} was inserted without a link in the chain." for n in table.left()
+            ]
         last = {record: table.last for record, table in self._tables.items()} | {"links": self._last}
         for record, given in numbers_given(self._connection).items():
             # A newest record that was taken out together with its link leaves no gap. The engine still knows
@@ -262,7 +266,7 @@ def note_how_it_was_left(
     # A service that ends in order takes its log over and removes it; one that is there was put there, or
     # written by another program.
     if left.sha256 is not None and log_bytes:
-        condition.note_damage("log", f"A log lies beside {file}, which was closed without one.")
+        condition.note_damage("log", f"There is a log beside {file}, which was closed without one.")
     if not has_link(connection, left):
         condition.note_damage("newest", newest_missing(str(file), IdentityFile(file).file))
 
@@ -292,8 +296,8 @@ def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | No
 def newest_missing(where: str, seal: Path) -> str:
     """Return what is said where the database holds less than was kept."""
     return (
-        f"The newest records of {where} are missing or not those that were kept. Where an older copy was "
-        f"put back on purpose, remove {seal} and start the service again."
+        f"The newest records of {where} are missing or were replaced. If an older copy was restored on"
+        f" purpose, remove {seal} and start the service again."
     )
 
 

@@ -127,7 +127,7 @@ def _require_columns(found: _Filled, delivery: Delivery) -> None:
         if len(values) != found.columns:
             raise UnfitReadingError(
                 f"Reading {number} has {len(values)} values, series {found.id} has {found.columns} "
-                "columns; send a null for what was not read."
+                "columns; send null for a missing value."
             )
 
 
@@ -150,11 +150,12 @@ def _kept(connection: Connection, found: _Filled, delivery: Delivery) -> bool:
 def _refusal(series_id: int, next_number: int, first: int) -> str:
     if first > next_number:
         return (
-            f"Series {series_id} goes on at reading {next_number}, not at {first}: send those between first."
+            f"Series {series_id} continues at reading {next_number}, not at {first}: send the readings in"
+            " between first."
         )
     return (
-        f"Reading {first} of series {series_id} is kept and says something else, or was sent in other "
-        f"pieces: a reading is never changed. It goes on at reading {next_number}."
+        f"Reading {first} of series {series_id} is kept and says something else, or was sent in different "
+        f"parts: a reading is never changed. The series continues at reading {next_number}."
     )
 
 

@@ -147,11 +147,11 @@ class SessionRepository(NumberedRecords[SessionRecord]):
         role = (await self.get(session_id)).role
         if role == "ballbar":
             raise ConflictError(
-                f"Session {session_id} is one with the ballbar; its steps are at sessions/{session_id}/plan."
+                f"Session {session_id} is a ballbar session; its steps are at sessions/{session_id}/plan."
             )
         if role == "contacts":
             raise ConflictError(
-                f"Session {session_id} is one of closed loops; its plan is at sessions/{session_id}/plan."
+                f"Session {session_id} is a closed-loop session; its plan is at sessions/{session_id}/plan."
             )
         document = await self._content(sessions.c.plan, session_id)
         # A plan has up to 5,000 stops; read on the loop it would hold up the samples of a session under way.

@@ -150,7 +150,9 @@ def _keep(
     # In the writing transaction: two visits to one cell may have read the same position.
     follows = position(connection, branch) + 1
     if not page or page[0].link != follows:
-        raise CollectedMeanwhileError(f"Link {follows} comes next; somebody has collected meanwhile.")
+        raise CollectedMeanwhileError(
+            f"Link {follows} comes next; another collection has taken place in the meantime."
+        )
     rows = [{"branch_id": branch.id, **to_row(link, plant_journal)} for link in page]
     add_rows(connection, plant_journal, rows)
     # In the same transaction: what can be looked up never lacks a link that is kept, nor knows one that is
@@ -163,15 +165,15 @@ def _accept(connection: Connection, cell: str, known: CollectionProgress, person
     seen = newest_visit(connection, number)
     if seen is None or seen.visit.outcome is not Outcome.ANOTHER_CHAIN or seen.visit.fork is None:
         raise ConflictError(
-            f"{cell} shows the chain that was collected from it; there is no other to accept."
+            f"{cell} still has the chain that was collected from it; there is no other to accept."
         )
     branch = newest_branch(connection, number)
     # The person accepted what that visit saw. Until the next one the newest visit still shows another chain,
     # and a second acceptance would collect the same links twice (commit fa77a2ba).
     if branch != known.branch or seen.visit.head != known.head.text:
         raise ConflictError(
-            f"The other chain of {cell} was accepted already, and is being collected; look again after the "
-            "next visit."
+            f"The other chain of {cell} was accepted already, and is being collected; check again after the "
+            "next collection."
         )
     add_branch(connection, branch, seen.visit.fork, person, reason)
 

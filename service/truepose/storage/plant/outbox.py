@@ -205,14 +205,16 @@ def _read(name: str, value: Any) -> Value:
             return _float(name, decimal)
         case {"base64": str(text)} if len(value) == 1:
             return _bytes(name, text)
-    raise UnreadableRowError(f"The column {name} holds {value!r:.60}, which is no value of a record.")
+    raise UnreadableRowError(f"The column {name} holds {value!r:.60}, which is not a value of a record.")
 
 
 def _float(name: str, decimal: str) -> float:
     try:
         return float(decimal)
     except ValueError as error:
-        raise UnreadableRowError(f"The column {name} holds {decimal!r:.60}, which is no number.") from error
+        raise UnreadableRowError(
+            f"The column {name} holds {decimal!r:.60}, which is not a number."
+        ) from error
 
 
 def _bytes(name: str, text: str) -> bytes:

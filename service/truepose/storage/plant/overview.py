@@ -238,7 +238,7 @@ class CollectedCampaigns(Repository):
         if not isinstance(found, bytes):
             raise DamagedDatabaseError(
                 f"Campaign {campaign.record_id} of {campaign.cell} came without its readings; "
-                "'truepose verify' says what else is damaged."
+                "'truepose verify' shows what else is damaged."
             )
         return found
 

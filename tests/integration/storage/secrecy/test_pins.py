@@ -109,4 +109,4 @@ async def test_nothing_else_of_a_credential_may_differ(database_url, statement):
 
     findings = changed(database_url, statement)
 
-    assert any("of the credentials is not as it was written" in finding for finding in findings)
+    assert any("of the credentials differs from what was written" in finding for finding in findings)

@@ -167,7 +167,7 @@ async def test_a_target_with_records_is_refused_and_stays_as_it_is(file, databas
     await SessionRepository(database).add("theirs", make_setup(), make_plan())
     database.close()
 
-    with pytest.raises(DatabaseUsedError, match="holds records already; name an empty database"):
+    with pytest.raises(DatabaseUsedError, match="already contains records; choose an empty database"):
         transfer(file, database_url)
 
     assert len(everything(database_url)["sessions"]) == 1
@@ -244,7 +244,7 @@ async def test_a_commit_whose_answer_is_lost_is_not_said_to_have_kept_nothing(
 
     with (
         behind("_require_same", lambda: line.cut_next_commit(when)),
-        pytest.raises(BackupError, match=r"it holds every record now, or none; look with 'truepose verify'"),
+        pytest.raises(BackupError, match=r"it now holds every record, or none; check with 'truepose verify'"),
     ):
         transfer(file, database_url.replace(str(server.folder), str(line.folder)))
     line.close()
@@ -341,7 +341,7 @@ async def test_a_copy_is_restored_into_an_empty_database_of_a_server(file, datab
     assert everything(file) == everything(database_url)
     with pytest.raises(DatabaseUsedError):
         restore_at(copy, database_url)
-    with pytest.raises(BackupError, match="Nothing is put aside on a server"):
+    with pytest.raises(BackupError, match="A database on a server is not moved aside"):
         restore_at(copy, database_url, replace=True)
 
 
@@ -352,7 +352,7 @@ async def test_a_spoilt_copy_is_not_restored(file, database_url, tmp_path):
     content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
     copy.write_bytes(content)
 
-    with pytest.raises(BackupError, match="not whole"):
+    with pytest.raises(BackupError, match="failed verification"):
         restore_at(copy, database_url)
     assert not any(everything(database_url).values())
 
@@ -365,5 +365,5 @@ async def test_the_command_copies_and_says_what(file, database_url, tmp_path):
     told, found = json.loads(done.stdout), json.loads(verified.stdout)
     assert (done.returncode, told["head"], told["records"]) == (0, found["head"], found["records"])
     assert found["whole"] and found["records"] > 20
-    assert (again.returncode, "holds records already" in again.stderr) == (2, True), again.stderr
+    assert (again.returncode, "already contains records" in again.stderr) == (2, True), again.stderr
     shutil.rmtree(tmp_path / "beside")

@@ -80,7 +80,7 @@ async def test_while_the_server_is_away_records_are_refused_and_said_to_be(datab
     await add(database)
     line.cut()
 
-    with pytest.raises(StorageUnavailableError, match=r"does not answer.*see that it runs"):
+    with pytest.raises(StorageUnavailableError, match=r"does not respond.*check that it is running"):
         await add(database, "second")
     with pytest.raises(StorageUnavailableError):
         await add(database, "third")
@@ -141,7 +141,7 @@ async def test_who_has_lost_the_database_to_another_service_writes_nothing_any_m
     await add(other, "theirs")
     await wait_until(lambda: "in use by another truepose service" in database.condition.fault)
     other.close()
-    await wait_until(lambda: "start it again" in database.condition.fault)
+    await wait_until(lambda: "restart this service" in database.condition.fault)
 
     with pytest.raises(StorageUnavailableError, match="written by another service"):
         await add(database, "second")
@@ -207,7 +207,7 @@ async def test_a_disk_of_the_server_that_is_full_refuses_until_there_is_room(dat
 
     await add(database)
     await database.on_writer(full)
-    with pytest.raises(StorageUnavailableError, match=r"No space left.*disk of the server"):
+    with pytest.raises(StorageUnavailableError, match=r"No space left.*disk space on the server"):
         await add(database, "second")
     await database.writable()
     await database.on_writer(lambda plain: plain.execute("DROP FUNCTION full_disk CASCADE"))
@@ -240,7 +240,9 @@ async def test_no_record_is_changed_or_thrown_away(database, change):
 
 
 def test_a_server_that_may_lose_what_it_acknowledged_is_refused(database_url):
-    with pytest.raises(StorageUnavailableError, match="fsync = off: a loss of power takes records"):
+    with pytest.raises(
+        StorageUnavailableError, match="fsync = off: a power failure can lose acknowledged records"
+    ):
         Database(database_url.replace("&fsync=off", ""))
 
     accepted = Database(database_url)

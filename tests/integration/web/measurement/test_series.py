@@ -63,8 +63,8 @@ async def test_the_same_sent_many_times_at_once_is_kept_once(client, series):
 @pytest.mark.parametrize(
     ("first", "readings", "said"),
     [
-        pytest.param(5, [READING], "goes on at reading 3, not at 5", id="a gap"),
-        pytest.param(1, numbered(1), "sent in other pieces", id="other pieces"),
+        pytest.param(5, [READING], "continues at reading 3, not at 5", id="a gap"),
+        pytest.param(1, numbered(1), "sent in different parts", id="other pieces"),
         pytest.param(1, [READING, READING], "a reading is never changed", id="other values"),
         pytest.param(2, [READING], "a reading is never changed", id="within what is kept"),
     ],

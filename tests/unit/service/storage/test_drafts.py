@@ -143,7 +143,7 @@ def test_there_are_not_more_than_so_many(drafts):
     for _ in range(MOST_DRAFTS):
         drafts.create()
 
-    with pytest.raises(ConflictError, match="throw one away"):
+    with pytest.raises(ConflictError, match="delete one"):
         drafts.create()
 
 
