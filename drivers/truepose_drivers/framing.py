@@ -81,7 +81,7 @@ def decode_object(line: bytes) -> dict[str, object]:
     except (ValueError, RecursionError) as error:
         raise JsonLineError(f"{line[:80]!r} is not JSON: {error}") from error
     if not isinstance(document, dict):
-        raise JsonLineError(f"{line[:80]!r} is not JSON object")
+        raise JsonLineError(f"{line[:80]!r} is not a JSON object")
     return document
 
 
@@ -89,7 +89,7 @@ def _each_key_once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """Return an object; raises ValueError where a key comes twice, as in two lines that ran into one."""
     document = dict(pairs)
     if len(document) != len(pairs):
-        raise ValueError("a key comes twice")
+        raise ValueError("a key appears twice")
     return document
 
 

@@ -122,7 +122,7 @@ def _joints(part: bytes) -> tuple[float, ...]:
     angles: list[float] = []
     for value in _message(_part(_message(part), 1)).get(1, []):
         if not isinstance(value, bytes) or len(value) % 8:
-            raise EgmProtocolError("an angle is no double")
+            raise EgmProtocolError("an angle is not a double")
         angles += struct.unpack(f"<{len(value) // 8}d", value)  # one, or packed
     if not all(map(math.isfinite, angles)):
         raise EgmProtocolError(f"the robot reports {angles} deg")
@@ -141,7 +141,7 @@ def _number(message: dict[int, list[Value]], field: int) -> int:
     """Return a field's number, 0 where it is missing; the last one counts."""
     value = message.get(field, [0])[-1]
     if not isinstance(value, int):
-        raise EgmProtocolError(f"field {field} is no number")
+        raise EgmProtocolError(f"field {field} is not a number")
     return value % COUNTED_TO
 
 
@@ -149,7 +149,7 @@ def _part(message: dict[int, list[Value]], field: int) -> bytes:
     """Return a field's message, an empty one where it is missing; the last one counts."""
     value = message.get(field, [b""])[-1]
     if not isinstance(value, bytes):
-        raise EgmProtocolError(f"field {field} is no message")
+        raise EgmProtocolError(f"field {field} is not a message")
     return value
 
 

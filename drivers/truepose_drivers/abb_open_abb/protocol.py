@@ -290,7 +290,7 @@ def _joint_text(angle_deg: float) -> str:
 
 def _number(word: str) -> float:
     if _NUMBER.fullmatch(word) is None:
-        raise OpenAbbProtocolError(f"{word!r} is no number")
+        raise OpenAbbProtocolError(f"{word!r} is not a number")
     return float(word)
 
 

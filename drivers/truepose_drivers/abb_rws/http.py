@@ -131,7 +131,7 @@ class HttpRequest:
         try:
             return urlsplit(self.target)
         except ValueError as error:  # of what looks like an address in brackets
-            raise RwsProtocolError(f"{self.target[:40]!r} is no target: {error}") from error
+            raise RwsProtocolError(f"{self.target[:40]!r} is not a request target: {error}") from error
 
     @property
     def form(self) -> dict[str, str]:
@@ -139,7 +139,7 @@ class HttpRequest:
         try:
             return dict(parse_qsl(self.body.decode(), keep_blank_values=True, max_num_fields=100))
         except ValueError as error:
-            raise RwsProtocolError(f"{self.body[:40]!r} is no form") from error
+            raise RwsProtocolError(f"{self.body[:40]!r} is not a form") from error
 
 
 @dataclass(frozen=True, slots=True)

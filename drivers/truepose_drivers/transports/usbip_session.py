@@ -183,7 +183,7 @@ class _Stream:
         except TimeoutError:
             return None
         if not first:
-            raise ConnectionResetError(errno.ECONNRESET, "the server hung up")
+            raise ConnectionResetError(errno.ECONNRESET, "the server closed the connection")
         return first + self.receive_rest(length - len(first))
 
     def receive_rest(self, length: int) -> bytes:
@@ -252,7 +252,7 @@ def _connection(host: str, port: int) -> _Stream:
 
 def _error(number: int) -> usb.core.USBError:
     texts = {
-        errno.ENODEV: "the device is gone",
+        errno.ENODEV: "the device was disconnected",
         errno.EPIPE: "the device refuses the request",
         errno.EBUSY: "the device is in use or not exported",
     }

@@ -59,7 +59,7 @@ class PacketReader(StreamReader):
             return None
         size, kind = _HEADER.unpack_from(self._buffer)
         if size < _HEADER.size or kind not in Kind.__members__.values():
-            raise UrProtocolError(f"{bytes(self._buffer[:12])!r} begins no RTDE packet")
+            raise UrProtocolError(f"{bytes(self._buffer[:12])!r} is not the start of an RTDE packet")
         if len(self._buffer) < size:
             return None
         return Packet(Kind(kind), self._take(size)[_HEADER.size :])

@@ -193,7 +193,7 @@ def encode_device(device: Device) -> bytes:
 def decode_device(data: bytes) -> Device:
     """Read a device descriptor; raises DescriptorError."""
     if len(data) < _DEVICE.size or data[1] != DescriptorType.DEVICE:
-        raise DescriptorError(f"{data[:20].hex()} is no device descriptor")
+        raise DescriptorError(f"{data[:20].hex()} is not a device descriptor")
     _, _, usb, class_, subclass, protocol, packet, vendor, product, release, maker, name, serial, count = (
         _DEVICE.unpack_from(data)
     )
@@ -238,7 +238,7 @@ def decode_configuration(data: bytes) -> Configuration:
     """Read a configuration with all that follows it; raises DescriptorError."""
     parts = list(_parts(data))
     if not parts or parts[0][1] != DescriptorType.CONFIGURATION or len(parts[0]) < _CONFIGURATION.size:
-        raise DescriptorError(f"{data[:20].hex()} is no configuration descriptor")
+        raise DescriptorError(f"{data[:20].hex()} is not a configuration descriptor")
     _, _, total, _, value, string, attributes, power = _CONFIGURATION.unpack_from(parts[0])
     starts = [index for index, part in enumerate(parts) if part[1] == DescriptorType.INTERFACE]
     interfaces = tuple(
@@ -251,7 +251,7 @@ def decode_configuration(data: bytes) -> Configuration:
 def configuration_total_bytes(data: bytes) -> int:
     """Read from the first nine bytes how long the whole is; raises DescriptorError."""
     if len(data) < _CONFIGURATION.size or data[1] != DescriptorType.CONFIGURATION:
-        raise DescriptorError(f"{data[:20].hex()} is no configuration descriptor")
+        raise DescriptorError(f"{data[:20].hex()} is not a configuration descriptor")
     total: int = _CONFIGURATION.unpack_from(data)[2]
     return total
 

@@ -61,7 +61,7 @@ async def connect_asks_who_is_there(trial: Trial) -> None:
     """An open port behind which nobody speaks the protocol is no connection."""
     trial.wiring.deaf = True
     began_s = now_s()
-    await _require_failing(trial, "the device has said nothing")
+    await _require_failing(trial, "the device has not answered")
     if now_s() - began_s > _BACK_WITHIN_S:
         broken(f"connect noticed the silence after {now_s() - began_s:.1f} s only")
 
@@ -78,7 +78,7 @@ async def a_device_that_hangs_up_at_once_was_not_connected(trial: Trial) -> None
         return [HangUp()]
 
     trial.wiring.spoil = hangs_up
-    await _require_failing(trial, "the device has hung up")
+    await _require_failing(trial, "the device has closed the connection")
 
 
 @case(

@@ -218,7 +218,7 @@ def _enumeration_kind(enumeration: type[IntEnum]) -> _Kind:
 
 def _encode_integer(value: Value) -> int:
     if not isinstance(value, int):
-        raise TypeError(f"{value!r} is no integer")
+        raise TypeError(f"{value!r} is not an integer")
     return value
 
 
@@ -230,7 +230,7 @@ def _decode_integer(raw: int | float | bytes) -> int:
 
 def _encode_number(value: Value) -> float:
     if isinstance(value, str):
-        raise TypeError(f"{value!r} is no number")
+        raise TypeError(f"{value!r} is not a number")
     return float(value)
 
 

@@ -69,7 +69,7 @@ def copy_drafts(database: Path, copy: Path) -> int:
         sync_folder(archive.parent)
     except OSError as error:
         raise BackupError(
-            f"The drafts of {database} cannot be copied to {archive} ({error}); the records are."
+            f"The drafts of {database} cannot be copied to {archive} ({error}); the records were copied."
         ) from error
     return count
 
@@ -107,7 +107,7 @@ def restore_drafts(copy: Path, database: Path) -> int:
                 if member.file_size <= MOST_BYTES:
                     drafts.put_back(member.filename, kept.read(member))
     except (OSError, zipfile.BadZipFile) as error:
-        raise BackupError(f"{archive} cannot be restored ({error}); the records are.") from error
+        raise BackupError(f"{archive} cannot be restored ({error}); the records were restored.") from error
     return len(drafts.numbers())
 
 

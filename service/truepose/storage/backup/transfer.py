@@ -179,7 +179,7 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
             one.execute(f'SELECT count(*) FROM "{table.name}"').fetchone()[0] for one in (source, target)
         ]
         if counts[0] != counts[1]:
-            raise BackupError(f"Of {counts[0]} {table.name} {counts[1]} arrived; nothing was kept.")
+            raise BackupError(f"{counts[1]} of {counts[0]} {table.name} arrived; nothing was kept.")
     # The target's chain is followed on what it gives back, not on what was sent: a value that an engine keeps
     # otherwise than it was given changes its hash.
     findings = findings_within(target, lambda share: told(_WRITING + (1 - _WRITING) * share, "verifying"))

@@ -90,7 +90,7 @@ def contradiction(connection: Any, printed: Head) -> str | None:
     if newest.links < printed.links:
         gone = printed.links - newest.links
         return (
-            f"The newest {gone} records are missing: the head {printed.text} was printed of "
+            f"The newest {gone} records are missing: the head {printed.text} was printed for "
             f"{printed.links}, the database has {newest.links}."
         )
     if head_after(connection, printed.links) != printed:

@@ -184,7 +184,9 @@ class _ChainReader:
             # A newest record that was taken out together with its link leaves no gap. The engine still knows
             # which number it gave last.
             if last.get(record, given) != given:
-                self.findings.append(f"The newest {_words(record)} are missing: {given} were given a number.")
+                self.findings.append(
+                    f"The newest {_words(record)} are missing: {given} numbers were assigned."
+                )
 
 
 class _Rows:

@@ -150,7 +150,7 @@ def test_what_begins_no_packet_is_known_at_once(data):
     reader = PacketReader()
     reader.receive_data(data)
 
-    with pytest.raises(UrProtocolError, match="begins no RTDE packet"):
+    with pytest.raises(UrProtocolError, match="is not the start of an RTDE packet"):
         reader.next_message()
 
 
