@@ -310,7 +310,7 @@ def test_a_result_with_a_bad_status_may_lack_its_members():
     [
         ({}, "needed"),
         ({"meas_time": 1, "use_adm": True, "more": 1}, "needed"),
-        ({"meas_time": 1.5, "use_adm": True}, "no integer"),
+        ({"meas_time": 1.5, "use_adm": True}, "not an integer"),
         ({"meas_time": 2**31, "use_adm": True}, "does not fit"),
     ],
 )

@@ -74,7 +74,7 @@ def test_requests_of_the_public_client_are_read_and_end_where_they_end(row, chun
 
 @pytest.mark.parametrize("part", ["path", "query"])
 def test_a_target_in_brackets_without_an_end_is_refused(part):
-    with pytest.raises(RwsProtocolError, match="no target"):
+    with pytest.raises(RwsProtocolError, match="not a request target"):
         getattr(HttpRequest("GET", "//[1"), part)
 
 
