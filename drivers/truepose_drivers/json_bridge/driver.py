@@ -303,7 +303,7 @@ def _identity(hello: protocol.Answer) -> DeviceIdentity:
     version = hello.values.get("version")
     if version != protocol.VERSION:
         raise protocol.BridgeError(
-            f"the bridge speaks version {version!r}, we {protocol.VERSION}: update the older of the two"
+            f"the bridge uses version {version!r}, truepose {protocol.VERSION}: update the older of the two"
         )
     manufacturer, model, firmware = (
         protocol.text(hello.values, key) for key in ("manufacturer", "model", "firmware")
