@@ -61,9 +61,9 @@ class BlindBench(CarelessBench):
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("answers_in_single_bytes_are_right", "took"),
+        ("answers_in_single_bytes_are_right", "returned"),
         ("garbage_closes_the_link", "ValueError"),
-        ("stale_answers_are_no_reading", "took"),
+        ("stale_answers_are_no_reading", "returned"),
         ("silence_is_told_within_two_seconds", "where nothing could be read"),
         ("connect_asks_who_is_there", "connect returned"),
         ("connect_refuses_another_protocol", "another server"),

@@ -215,7 +215,7 @@ async def test_a_unit_that_goes_on_changing_is_no_reading(counter, driver):
     inches = [True, False]
     counter.answers["A0800"] = lambda: [lamps_line(Lamps(inch=inches.pop(0)))]
 
-    with pytest.raises(RemoteProtocolError, match="again and again"):
+    with pytest.raises(RemoteProtocolError, match="keeps changing"):
         await driver.read()
     assert not driver.connected
 

@@ -227,7 +227,7 @@ def test_options_that_cannot_be_are_told(options, sentence):
 
 
 def test_a_box_is_reached_one_way():
-    with pytest.raises(ConfigurationError, match="two ways"):
+    with pytest.raises(ConfigurationError, match="only one of them"):
         SERIAL.open({"serial": "/dev/ttyUSB0", "host": "127.0.0.1"}, None)
     with pytest.raises(ConfigurationError, match="baud"):
         SERIAL.open({"serial": "/dev/ttyUSB0", "baud": 9601}, None)

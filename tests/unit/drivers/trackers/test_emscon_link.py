@@ -111,7 +111,7 @@ async def test_closing_twice_or_before_connecting_is_harmless():
         (ResultStatus.SENSOR_NOT_WARMED_UP, BusyError, "warmed up"),
         (ResultStatus.TRACKER_NOT_INITIALIZED, NotInitialisedError, "initialise it first"),
         (ResultStatus.WRONG_PARAMETER_1, DeviceRefusedError, "value of START_MEASUREMENT"),
-        (ResultStatus.NOT_IMPLEMENTED, DeviceRefusedError, "does not know"),
+        (ResultStatus.NOT_IMPLEMENTED, DeviceRefusedError, "does not support"),
         (ResultStatus.SENSOR_NOT_LEVELED, DeviceRefusedError, "level the stand"),
         (ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED, DeviceRefusedError, "another program"),
         (123_456, MeasurementFailedError, r"123456 \(unknown"),

@@ -142,9 +142,9 @@ async def test_a_result_of_an_earlier_measurement_is_not_taken_again(emscon, tra
 @pytest.mark.parametrize(
     ("stated", "complaint"),
     [
-        ({"meas_mode": 1}, "another mode"),
-        ({"is_try_mode": True}, "another mode"),
-        ({"val1": math.nan}, "no point"),
+        ({"meas_mode": 1}, "a mode other"),
+        ({"is_try_mode": True}, "a mode other"),
+        ({"val1": math.nan}, "not a valid point"),
         ({"std1": -0.1}, "standard deviations"),
         ({"std2": -1.0}, "standard deviations"),
         ({"std2": math.inf}, "standard deviations"),

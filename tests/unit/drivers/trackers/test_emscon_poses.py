@@ -161,10 +161,10 @@ async def test_another_probe_than_the_cell_names_is_refused(emscon):
 @pytest.mark.parametrize(
     ("status", "error", "advice"),
     [
-        (RotationStatus.ERROR | RotationStatus.NOT_ENOUGH_LEDS, ArtefactNotSeenError, "lamps"),
+        (RotationStatus.ERROR | RotationStatus.NOT_ENOUGH_LEDS, ArtefactNotSeenError, "LEDs"),
         (RotationStatus.VALID | RotationStatus.RMS_TOO_HIGH, ArtefactNotSeenError, "compensation"),
-        (RotationStatus.ERROR | RotationStatus.ANGLE_OUT_OF_RANGE, OutOfVolumeError, "turned"),
-        (RotationStatus.ERROR | RotationStatus.DISTANCE_OUT_OF_RANGE, OutOfVolumeError, "near"),
+        (RotationStatus.ERROR | RotationStatus.ANGLE_OUT_OF_RANGE, OutOfVolumeError, "points too far away"),
+        (RotationStatus.ERROR | RotationStatus.DISTANCE_OUT_OF_RANGE, OutOfVolumeError, "too close"),
         (RotationStatus.ERROR, ArtefactNotSeenError, "unreliable"),
         (RotationStatus.VALID | RotationStatus.ERROR, ArtefactNotSeenError, "unreliable"),
         (0, ArtefactNotSeenError, "unreliable"),

@@ -207,10 +207,10 @@ async def test_frames_that_do_not_go_on_are_a_lost_camera(camera, driver, back):
             POSE,
             GOOD | PortStatus.OUT_OF_VOLUME,
             OutOfVolumeError,
-            "stood outside the camera's measuring volume",
+            "was outside the camera's measuring volume",
         ),
-        (None, GOOD | PortStatus.OUT_OF_VOLUME, OutOfVolumeError, "stood outside"),
-        (POSE, GOOD | PortStatus.PARTIALLY_OUT_OF_VOLUME, OutOfVolumeError, "stood partly outside"),
+        (None, GOOD | PortStatus.OUT_OF_VOLUME, OutOfVolumeError, "was outside"),
+        (POSE, GOOD | PortStatus.PARTIALLY_OUT_OF_VOLUME, OutOfVolumeError, "was partly outside"),
     ],
 )
 async def test_an_artefact_that_is_not_measured_is_no_pose(camera, driver, pose, status, error, said):

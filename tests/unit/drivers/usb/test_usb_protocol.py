@@ -128,7 +128,7 @@ def test_another_protocol_or_version_is_told(data):
 
 @pytest.mark.parametrize("head", [0, 3, 4, 99])
 def test_what_is_no_request_is_told(head):
-    with pytest.raises(UsbipProtocolError, match="no request"):
+    with pytest.raises(UsbipProtocolError, match="not a USB/IP request"):
         decode_request(head.to_bytes(4, "big") + bytes(44))
 
 

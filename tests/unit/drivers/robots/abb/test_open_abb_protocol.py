@@ -138,7 +138,7 @@ def test_any_bytes_are_a_request_or_refused(data):
 
 @pytest.mark.parametrize("text", ["", "2", "x 1 ", "2 y ", "-2 1 ", "# 0 2013-01-01", "²  1"])
 def test_what_is_no_reply_is_refused(text):
-    with pytest.raises(OpenAbbProtocolError, match="no reply"):
+    with pytest.raises(OpenAbbProtocolError, match="not an open_abb reply"):
         decode_reply(text.encode())
 
 

@@ -156,7 +156,7 @@ async def test_joints_that_are_none_close_the_link(reply):
 async def test_a_reply_that_goes_on_is_none_to_a_motion():
     robot = await connected_robot(FakeController(code_8="8 1 9 1 "))
 
-    with pytest.raises(RemoteProtocolError, match="goes on with"):
+    with pytest.raises(RemoteProtocolError, match="continues with"):
         await robot.set_limits(FAST)
     assert not robot.connected
 

@@ -127,8 +127,8 @@ async def test_a_connection_that_is_gone_is_not_opened_again_unseen(server, sess
     [
         (encode_response(FakeServer.joints()) + b"HTTP/1.1 200 OK\r\n", "more data than requested"),
         (ENDLESS, "more than 1048576"),
-        (b"4 1 10.00 20.00 30.00 40.00 50.00 60.00\r\n\r\n", "no HTTP"),
-        (encode_response(HttpResponse(200, (), b"<html>")), "no JSON"),
+        (b"4 1 10.00 20.00 30.00 40.00 50.00 60.00\r\n\r\n", "not HTTP"),
+        (encode_response(HttpResponse(200, (), b"<html>")), "not JSON"),
     ],
 )  # fmt: skip
 async def test_nonsense_closes_the_link(said, match):

@@ -101,7 +101,7 @@ async def test_a_controller_that_is_not_ready_is_not_moved_and_says_why():
 
 
 @pytest.mark.parametrize(
-    ("change", "words"), [({"pendant_on": True}, "pendant off"), ({"single_step": True}, "single steps")]
+    ("change", "words"), [({"pendant_on": True}, "pendant off"), ({"single_step": True}, "single-step")]
 )
 async def test_an_arm_in_a_persons_hands_is_not_moved(fake, robot, change, words):
     fake.status = replace_status(fake.status, **change)
@@ -146,7 +146,7 @@ async def test_a_refused_target_is_named_as_the_pendant_shows_it_and_the_next_on
 async def test_a_controller_on_hold_is_no_refused_target():
     robot = await connected(FakeController(FRC_JointMotionJRep=refusal(protocol.IN_HOLD)))
 
-    with pytest.raises(NotInitialisedError, match="broke off"):
+    with pytest.raises(NotInitialisedError, match="aborted"):
         await robot.move_joints(TARGET)
     assert robot.connected
 

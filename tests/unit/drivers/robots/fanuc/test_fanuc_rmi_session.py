@@ -42,7 +42,7 @@ OTHER_END = b'{"Instruction": "FRC_JointMotionJRep", "ErrorID": 0, "SequenceID":
 
 @pytest.mark.parametrize(
     ("says", "complaint"),
-    [(lambda packet: encode(reply(packet)), r"30\.000 deg off"), (OTHER_END, "not asked")],
+    [(lambda packet: encode(reply(packet)), r"30\.000 deg off"), (OTHER_END, "without a request")],
 )
 async def test_an_end_that_is_reported_elsewhere_or_of_another_motion_is_none(says, complaint):
     robot = await connected(FakeController(FRC_JointMotionJRep=says))
@@ -76,7 +76,7 @@ async def test_older_joints_are_no_reading(fake, robot):
 async def test_what_was_not_asked_is_noticed_before_the_next_question(fake, robot):
     await fake.ends[-1].send(b'{"Command": "FRC_ReadJointAngles", "ErrorID": 0}\r\n')
 
-    with pytest.raises(RemoteProtocolError, match="not asked"):
+    with pytest.raises(RemoteProtocolError, match="without a request"):
         await robot.read_joints()
 
 

@@ -213,7 +213,7 @@ def test_the_extent_of_a_reply_is_told_from_its_form(data, expected, extent):
 
 @pytest.mark.parametrize("text", ["", "0", "2:success", "success", "0:a:b", "0:" + "x" * 260, "x:1"])
 def test_what_is_no_reply_is_refused(text):
-    with pytest.raises(MappdkProtocolError, match="no reply"):
+    with pytest.raises(MappdkProtocolError, match="not a MAPPDK reply"):
         decode_reply(text.encode())
 
 
