@@ -226,7 +226,7 @@ def test_handles_are_listed_with_their_status():
 def test_what_is_no_list_of_handles_is_an_error(reply):
     with pytest.raises(NdiProtocolError, match="instead of a list"):
         decode_handles(Text(reply))
-    with pytest.raises(NdiProtocolError, match="expected"):
+    with pytest.raises(NdiProtocolError, match="instead of a"):
         decode_handle(Text(reply + "0"))
 
 
