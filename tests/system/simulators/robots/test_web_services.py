@@ -138,7 +138,7 @@ async def test_a_program_that_stops_on_the_way_is_told_with_the_event():
     robot = await bench.connected()
     async with bench.moving(robot) as motion:
         bench.controller.fail(50204, "Motion supervision", "Joint 2 met something.")
-        with pytest.raises(NotInitialisedError, match=r"on its way.*50204 Motion supervision: Joint 2"):
+        with pytest.raises(NotInitialisedError, match=r"during the motion.*50204 Motion supervision: Joint 2"):
             await motion
 
 
@@ -160,7 +160,7 @@ async def test_two_programs_do_not_share_a_motion():
     bench = WebBench()
     first, second = await bench.connected(), await bench.connected()
     async with bench.moving(first) as motion:
-        with pytest.raises(BusyError, match="under way"):
+        with pytest.raises(BusyError, match="still moving"):
             await second.move_joints(HOME)
 
         number = protocol.decode_order(bench.controller.task.variables[protocol.ORDER]).number
