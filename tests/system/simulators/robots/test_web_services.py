@@ -165,7 +165,7 @@ async def test_two_programs_do_not_share_a_motion():
 
         number = protocol.decode_order(bench.controller.task.variables[protocol.ORDER]).number
         bench.controller.task._tell(protocol.Progress.TAKEN, protocol.Order(number + 1))
-        with pytest.raises(DeviceRefusedError, match="somebody else"):
+        with pytest.raises(DeviceRefusedError, match="another client"):
             await motion
     await second.close()
 
