@@ -138,7 +138,9 @@ async def test_a_program_that_stops_on_the_way_is_told_with_the_event():
     robot = await bench.connected()
     async with bench.moving(robot) as motion:
         bench.controller.fail(50204, "Motion supervision", "Joint 2 met something.")
-        with pytest.raises(NotInitialisedError, match=r"during the motion.*50204 Motion supervision: Joint 2"):
+        with pytest.raises(
+            NotInitialisedError, match=r"during the motion.*50204 Motion supervision: Joint 2"
+        ):
             await motion
 
 
