@@ -52,7 +52,7 @@ def reanalyse_command(
     workers: Workers = None,
     json: Json = False,
 ) -> int:
-    """Identify and diagnose every campaign of an archive anew, and say what is different from before.
+    """Reanalyse every campaign of an archive, and report differences from earlier results.
 
     It may be interrupted and started again. Status 1: a campaign has no result; the table says why.
 
@@ -169,7 +169,7 @@ def watch_command(
     ],
     once: Annotated[bool, typer.Option("--once", help="Process what is there now, then exit.")] = False,
 ) -> int:
-    """Identify every campaign that comes into a folder, until interrupted. Status 1: one of them failed.
+    """Identify each campaign that arrives in a folder, until interrupted; status 1: one of them failed.
 
     Example: truepose watch inbox --out results
     """
@@ -248,7 +248,7 @@ def resample_command(
     workers: Workers = None,
     json: Json = False,
 ) -> int:
-    """Say how far the parameters of a campaign scatter when it is fitted again and again.
+    """Estimate the scatter of a campaign's parameters by refitting resampled readings.
 
     Example: truepose resample my-campaign --by noise --draws 2000 --workers dask://10.0.0.5:8786
     """

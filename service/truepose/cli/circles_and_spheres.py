@@ -44,7 +44,7 @@ def circles_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Say what each joint errs by, turned alone; status 1 where a joint's readings give no circle.
+    """Evaluate the errors of each joint turned alone; status 1: a joint's readings form no circle.
 
     Example: truepose circles circles.csv --robot abb-irb-120 --limit-mm 0.2 --report circles.html
     """
@@ -112,7 +112,7 @@ def sphere_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Say how true an arm holds a ballbar's length to one ball; status 1 where the ball's place stays open.
+    """Evaluate how well an arm holds a ballbar's length to one ball; status 1: the ball cannot be located.
 
     Example: truepose sphere sphere-test --model robot.json --report sphere.html
     """

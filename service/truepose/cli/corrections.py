@@ -82,7 +82,7 @@ def correct_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Find joint targets that make the real tool arrive; status 1 when some target was not corrected.
+    """Correct targets so that the real tool reaches them; status 1: a target was not corrected.
 
     Of robot programs only the numbers of targets change: ABB RAPID (.mod .sys .prg), KUKA KRL (.src .dat),
     FANUC LS (.ls), URScript (.script), Yaskawa INFORM (.jbi), Staubli VAL3 (.dtx), G-code (.nc .gcode .cnc

@@ -29,7 +29,7 @@ def verify_command(
     ] = None,
     json: Json = False,
 ) -> int:
-    """Check every page and every record of a database, which may be in use. Status 1: something is wrong.
+    """Check every page and record of a database, which may be in use; status 1: something is wrong.
 
     Example: truepose verify truepose.sqlite3 --head 4711-K3QF-7ZWD-M2PA-XY5R --json
     """
@@ -108,7 +108,7 @@ def restore_command(
     ] = False,
     json: Json = False,
 ) -> int:
-    """Put a copy in the place of the database, or lay it ready for the next start of a service that runs.
+    """Restore the database from a copy, now or at the next start of a running service.
 
     Every record of the copy is verified before anything is touched. Status 3: a service has the database.
 
@@ -180,7 +180,7 @@ def copy_command(
     target: Annotated[str, typer.Argument(help="Empty database to copy to, a file or a URL.")],
     json: Json = False,
 ) -> int:
-    """Move a shop's database from a file to a PostgreSQL server, or back: every record and its link.
+    """Copy a database from a file to a PostgreSQL server, or back, with all records and links.
 
     No service may have either. All of it arrives and is verified, or nothing. Status 3: a service has one.
 
@@ -237,7 +237,7 @@ def retention_command(
     ] = False,
     json: Json = False,
 ) -> int:
-    """Say what may be removed beside the database: old logs, surplus copies, what was left behind.
+    """List files that can be removed beside the database: old logs, surplus copies, leftovers.
 
     Records stay for good: readings, acts, results, certificates, uploads. Live values are never stored.
 

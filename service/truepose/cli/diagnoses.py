@@ -37,7 +37,7 @@ def diagnose_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
+    """Find what the robot's model gets wrong, name the causes, and measure the gain.
 
     Status 1: nothing could be fitted, so there is no answer.
 

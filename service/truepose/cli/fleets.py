@@ -69,7 +69,7 @@ def fleet_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Compare robots of one type over months: what changes, since when, and who is to be measured next.
+    """Compare robots of one type over months: what changes, since when, and which to measure next.
 
     It may be interrupted and started again with the same --out. Status 1: a campaign is not compared.
 

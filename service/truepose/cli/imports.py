@@ -86,7 +86,7 @@ def import_command(
     ] = False,
     json: Json = False,
 ) -> int:
-    """Make a campaign folder of a list of points and their joint angles, or of a table that has both.
+    """Make a campaign folder from points and their joint angles, or from a table that has both.
 
     Example: truepose import points.txt joints.csv --robot abb-irb-120 --unit mm --u-mm 0.03 --out mine
 
@@ -201,7 +201,7 @@ def inspect_command(
     result: Annotated[Path, typer.Argument(help="Result file of a Renishaw QC20-W (.b5r).")],
     json: Json = False,
 ) -> int:
-    """Show what a result file of a Renishaw QC20-W says: test, machine, ballbar, features.
+    """Show the contents of a Renishaw QC20-W result file: test, machine, ballbar, features.
 
     Example: truepose inspect "XY 360deg 150mm 20260105-101500_42.b5r" --json
     """

@@ -92,7 +92,7 @@ def export_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Write a model for another program, and say what is lost.
+    """Export a model for another program, and state what the format cannot hold.
 
     Example: truepose export robot.json --as urdf --out robot.urdf
     """

@@ -87,7 +87,7 @@ def plan_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Choose configurations to measure and say what accuracy they promise, before anything moves.
+    """Choose configurations to measure, and predict the accuracy before anything moves.
 
     Of a campaign the curve goes on from what was measured. Status 1: the plan cannot determine a parameter.
 

@@ -110,7 +110,7 @@ def nightly_command(
     ] = None,
     label: Annotated[str, typer.Option(help="Label to find the night by, such as a commit.")] = "",
 ) -> int:
-    """Try everything that needs no person on simulated devices, and compare with the nights before.
+    """Run every unattended test on simulated devices, and compare with earlier nights.
 
     Example: truepose nightly --out nightly
     """
@@ -263,7 +263,7 @@ def plant_command(
     log_level: LeastLogged = LogLevel.INFO,
     pin_secret: PinSecret = None,
 ) -> int:
-    """Collect from many cells and hand plans and models down; prints one JSON line with its url when ready.
+    """Collect results from many cells, and send them plans and models; prints one JSON line with its URL.
 
     Example: truepose plant --cells cells.toml --database sqlite:///plant.db --port 8100
     """
@@ -299,7 +299,7 @@ def unit_command() -> int:
 
 
 def dashboard_command() -> int:
-    """Print the Grafana dashboard of the figures at /metrics, to be imported there.
+    """Print a Grafana dashboard for the metrics at /metrics.
 
     Example: truepose dashboard > truepose.json
     """

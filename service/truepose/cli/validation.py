@@ -63,7 +63,7 @@ def validate_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Judge a model on readings it was not made from; status 1 when it fails.
+    """Validate a model on readings that it was not identified from; status 1: it fails.
 
     Example: truepose validate robot.json cycles.csv --iso9283 --limit-mm 0.2 --report accuracy.html
     """
