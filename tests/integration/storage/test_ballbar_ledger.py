@@ -156,7 +156,7 @@ async def test_an_answer_is_kept_for_its_request(ledger, session_id):
 
     assert await ledger.answer_to(session_id, key) == CommandAnswer("The reading is stored.", None)
     assert await ledger.answer_to(session_id, replace(key, key="other")) is None
-    with pytest.raises(KeyReusedError, match="another act"):
+    with pytest.raises(KeyReusedError, match="another command"):
         await ledger.answer_to(session_id, replace(key, fingerprint="other"))
 
 

@@ -18,7 +18,7 @@ async def stop_the_server(day: Day) -> None:
 
         day.diary.saw(f"the plant answers {await until(refused, 'the plant says so')}")
         page = await day.screen.at(plant.url, "the-server-is-away")
-        day.diary.saw(next(line for line in page.splitlines() if "does not answer" in line))
+        day.diary.saw(next(line for line in page.splitlines() if "does not respond" in line))
         async with cell.at_the_tablet() as client:
             await measure_by_ballbar(client, "without the server", 40 + cell.seed)
         plant.server.restart()

@@ -75,6 +75,6 @@ def test_a_server_that_is_away_is_no_unusable_input():
     status, _, said = truepose("verify", "postgres://ada:secret@127.0.0.1:1/shop")
 
     assert status == 3
-    assert said.startswith("The server of postgresql://ada@127.0.0.1:1/shop does not answer")
+    assert said.startswith("The server of postgresql://ada@127.0.0.1:1/shop does not respond")
     assert said.endswith("[TP-6010]\n")
     assert "secret" not in said

@@ -272,7 +272,7 @@ async def test_a_verification_whose_connection_ends_says_so_and_finds_nothing(fi
         if not asked:
             asked.append(end(ALL))
 
-    with pytest.raises(ServerAwayError, match="does not answer"):
+    with pytest.raises(ServerAwayError, match="does not respond"):
         verify_left_at(database_url, told)
     assert asked == [1]
 

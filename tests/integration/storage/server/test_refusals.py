@@ -84,7 +84,7 @@ async def test_while_the_server_is_away_records_are_refused_and_said_to_be(datab
         await add(database, "second")
     with pytest.raises(StorageUnavailableError):
         await add(database, "third")
-    assert "does not answer" in database.condition.fault
+    assert "does not respond" in database.condition.fault
 
     line.mend()
     await asyncio.wait_for(database.writable(), PATIENCE_S)
@@ -110,7 +110,7 @@ async def test_a_server_that_is_away_does_not_have_the_service_ended(database_ov
     after = await lookout.state()
 
     assert [state.records.readable for state in (before, away, after)] == [True] * 3
-    assert "does not answer" in away.records.refused
+    assert "does not respond" in away.records.refused
     assert (before.records.refused, after.records.refused) == ("", "")
 
 
@@ -279,7 +279,7 @@ def test_another_programs_database_is_refused_and_untouched(server):
 
 
 def test_a_server_that_is_not_there_is_one_sentence(tmp_path):
-    with pytest.raises(StorageUnavailableError, match="does not answer"):
+    with pytest.raises(StorageUnavailableError, match="does not respond"):
         Database(f"postgresql://postgres@/db?host={tmp_path}")
 
 

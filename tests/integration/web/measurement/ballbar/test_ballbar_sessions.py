@@ -121,7 +121,7 @@ async def test_the_key_of_an_act_is_not_for_another_act(tablet):
     refused = await tablet.press("abort", key="k1")
 
     assert refused.status_code == 409
-    assert "another act" in refused.json()["detail"]
+    assert "another command" in refused.json()["detail"]
     assert (await tablet.see())["state"] == "running"
 
 
