@@ -151,7 +151,7 @@ def export(
     >>> tp.export(model, "ros", urdf.with_suffix(".yaml"))
     Traceback (most recent call last):
     ...
-    truepose.domain.errors.UnsuitableModelError: ABB IRB 120, simulated has not the axes of ... as URDF.
+    truepose.domain.errors.UnsuitableModelError: ABB IRB 120, simulated does not have the axes of ... as URDF.
     """
     path = path_of(file, "file", "give its path")
     as_csv = path.suffix.lower() == ".csv"
