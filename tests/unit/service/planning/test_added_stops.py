@@ -97,7 +97,7 @@ def test_the_approach_is_judged_like_the_stop():
 def test_without_any_limits_nothing_is_added():
     robot = replace(IRB120, calibration_ranges=None, joint_limits=None)
 
-    with pytest.raises(WorkSpaceError, match="nothing moves without them"):
+    with pytest.raises(WorkSpaceError, match="does not move without joint limits"):
         stops_to_add(make_cell(robot=robot), PLAN, [WantedStop(TURNED)])
 
 
