@@ -99,7 +99,7 @@ def test_a_service_that_does_not_answer_is_one_sentence(served, settings):
 
     with (
         publish_endpoint(here.database.file, told),
-        pytest.raises(StorageUnavailableError, match="does not respond"),
+        pytest.raises(StorageUnavailableError, match="does not answer"),
         administration(settings.database_url) as machine,
     ):
         machine.people()
