@@ -6,6 +6,7 @@ import pytest
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
 from truepose_simulators.instruments.tracker import in_tracker_frame
+from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import move
 from truepose_simulators.physics.true_robot import NoEquilibriumError
 from truepose_simulators.scenarios.scenario import ArmSetup, ConfiguredLink, TableSetup, ToolSetup
@@ -197,3 +198,17 @@ def test_the_arm_may_start_elsewhere_than_at_zero(make_cell):
     cell = make_cell(arm=replace(ArmSetup(), home_deg=(0.0, 10.0, 20.0, 0.0, 30.0, 0.0)))
 
     assert np.degrees(cell.robot.target_rad) == pytest.approx([0, 10, 20, 0, 30, 0], abs=1e-12)
+
+
+async def test_a_planted_gain_shows_from_its_time_on(make_cell):
+    cell = make_cell(seed=2, noise=False)
+    cell.plant_change(PlantedChange("joint_gain", "joint 1", 1e-3, from_s=100.0))
+    await go(cell, [90, 0, 0, 0, 0, 0])
+    before = cell._targets()[0].position_mm
+    await cell.clock.sleep(100.0)
+
+    moved = np.linalg.norm(cell._targets()[0].position_mm - before)
+
+    radius_mm = 374.0 + 125.0
+    # Chord of 1e-3 * 90 deg at the nest's distance from axis 1; link errors of 1 mm change it by 0.3 %.
+    assert moved == pytest.approx(radius_mm * 1e-3 * np.pi / 2, rel=0.01)

@@ -48,6 +48,8 @@ class Bench:
     home = (0.0,) * 6
     target = radians(30.0, 20.0, -50.0, 10.0, 20.0, 30.0)
     reads_to_rad = 1e-5  # of what the controller tells
+    arrives_to_rad = 1e-7
+    stops_between_deg = (5.0, 50.0)  # joint 1, of whoever is stopped a second or two after it set off
 
     def __init__(self, **arm: Any) -> None:
         clock = CellClock(1, wall_s=asyncio.get_running_loop().time)
@@ -102,15 +104,16 @@ class Bench:
     async def rests_within(self, limit_s: float) -> bool:
         """Whether the arm stands after so long, on its way, and goes on standing."""
         await asyncio.sleep(limit_s)
-        stands_deg = self.shown_deg()
+        stands_deg, (least_deg, most_deg) = self.shown_deg(), self.stops_between_deg
         await asyncio.sleep(5.0)
-        return self.shown_deg() == stands_deg and 5.0 < stands_deg < 50.0
+        return self.shown_deg() == stands_deg and least_deg < stands_deg < most_deg
 
 
 class FanucBench(Bench):
     """An LR Mate with the Remote Motion Interface."""
 
     scenario = "lrmate-rmi"
+    stops_between_deg = (10.0, 50.0)
 
     def __init__(self, **changes: Any) -> None:
         super().__init__()
@@ -135,6 +138,8 @@ class KukaBench(Bench):
     home = radians(0.0, -90.0, 90.0, 0.0, 0.0, 0.0)
     target = radians(30.0, -70.0, 40.0, 10.0, 20.0, 30.0)
     reads_to_rad = 1e-6
+    arrives_to_rad = 1e-6
+    stops_between_deg = (5.0, 40.0)
 
     def __init__(self) -> None:
         super().__init__()
