@@ -11,7 +11,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
 from truepose.app.connections import Census, Pace
-from truepose.web.middleware.security import with_protection
+from truepose.web.middleware.security import LINGER_S, MOST_TAKEN_IN, with_protection
 
 _MALFORMED: Final = {
     "type": "urn:truepose:problem:bad-request",
@@ -20,10 +20,6 @@ _MALFORMED: Final = {
     "detail": "This is no HTTP request.",
     "instance": "/",
 }
-# Bytes that lie unread when a connection closes reset it, and the reset overtakes the answer; so what still
-# comes behind a refused request is taken in, for a moment.
-_LINGER_S: Final = 1.0
-_MOST_TAKEN_IN: Final = 65_536  # bytes
 
 
 class WatchedProtocol(H11Protocol):
@@ -67,7 +63,7 @@ class WatchedProtocol(H11Protocol):
         """Read on, and note how far a body has come; what follows a refused request is dropped."""
         if self._refused_bytes is not None:
             self._refused_bytes += len(data)
-            if self._refused_bytes > _MOST_TAKEN_IN:
+            if self._refused_bytes > MOST_TAKEN_IN:
                 self.transport.close()
             return
         if self._is_idle:
@@ -142,7 +138,7 @@ class WatchedProtocol(H11Protocol):
         self._refused_bytes = 0
         if self.transport.can_write_eof():  # TLS cannot
             self.transport.write_eof()
-        self.loop.call_later(_LINGER_S, self.transport.close)
+        self.loop.call_later(LINGER_S, self.transport.close)
 
     def _unread(self, now_s: float) -> bool:
         """Return whether what was written lies here because the other side does not take it."""

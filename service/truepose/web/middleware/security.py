@@ -37,8 +37,10 @@ _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object",
 _OURS: Final = frozenset({"same-origin", "none"})  # none: typed in, or from the bookmarks
 _ANOTHER_PAGE: Final = message("refused.another_page")
 _LONGEST: Final = 100  # letters of what somebody sent, in a sentence
-_LINGER_S: Final = 1.0  # so long a refused body may still come in
-_MOST_TAKEN_IN: Final = 65_536  # bytes of it; whoever sends more may find the connection reset
+# A connection that is closed on bytes that nobody read is reset, and the reset overtakes the answer (RFC
+# 9112, section 9.6): what still comes behind a refused request is taken in, for so long and so much.
+LINGER_S: Final = 1.0
+MOST_TAKEN_IN: Final = 65_536  # bytes; whoever sends more may find the connection reset
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,11 +209,7 @@ class SecurityMiddleware:
 
 
 def _closing(receive: Receive, send: Send) -> Send:
-    """Return what sends an answer and then takes in what is still on its way, before the connection ends.
-
-    A connection that is closed on bytes that nobody read is reset, and a reset overtakes the answer
-    (RFC 9112, section 9.6).
-    """
+    """Return what sends an answer and then takes in what is still on its way, before the connection ends."""
 
     async def close(part: Part) -> None:
         if part["type"] != "http.response.body" or part.get("more_body"):
@@ -219,7 +217,7 @@ def _closing(receive: Receive, send: Send) -> Send:
             return
         await send({**part, "more_body": True})
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(_LINGER_S):
+            async with asyncio.timeout(LINGER_S):
                 await _take_in(receive)
         await send({"type": "http.response.body", "body": b""})
 
@@ -228,7 +226,7 @@ def _closing(receive: Receive, send: Send) -> Send:
 
 async def _take_in(receive: Receive) -> None:
     taken, part = 0, await receive()
-    while part["type"] == "http.request" and part.get("more_body") and taken < _MOST_TAKEN_IN:
+    while part["type"] == "http.request" and part.get("more_body") and taken < MOST_TAKEN_IN:
         taken += len(part["body"])
         part = await receive()
 
