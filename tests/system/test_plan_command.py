@@ -84,7 +84,7 @@ def test_a_campaign_that_is_too_small_for_a_model_promises_nothing(tmp_path):
     table = folder / "calibration.csv"
     table.write_text("".join(table.read_text().splitlines(keepends=True)[:3]))
 
-    assert "Nothing can be promised" in plan(str(folder), status=2).stderr
+    assert "No accuracy can be predicted" in plan(str(folder), status=2).stderr
 
 
 @pytest.mark.parametrize("instrument", ["tracker", "closed loop"])
@@ -100,11 +100,11 @@ def test_a_cell_whose_tool_has_no_nest_has_no_plan(tmp_path, instrument):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("robbie",), "no robot"),
+        (("robbie",), "is not a campaign folder, cell file, robot file or robot name"),
         (("abb-irb-120", "--volume", "none.toml"), "none.toml"),
         (("abb-irb-120", "--reading-mm", "-1"), "--reading-mm -1"),
         (("docs/examples/campaign", "--ballbar"), "not for a campaign"),
-        (("abb-irb-120", "--nests", "1"), "give its --targets too"),
+        (("abb-irb-120", "--nests", "1"), "give --targets as well"),
     ],
 )
 def test_unusable_input_is_one_sentence(arguments, sentence):
