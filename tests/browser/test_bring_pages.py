@@ -110,6 +110,25 @@ def test_an_answered_question_stays_and_so_does_what_is_below_it(asked, today, u
     expect(asked.locator("[data-go]")).to_be_visible()
 
 
+# The place of a control at the moment that the page has been replaced, before anything else is loaded.
+_PLACES = """selector => {
+  window.places = [];
+  const note = () => window.places.push(document.querySelector(selector).getBoundingClientRect().y);
+  new MutationObserver(note).observe(document.querySelector("#draft").parentNode, { childList: true });
+}"""
+
+
+def test_the_page_does_not_jump_while_it_is_written_anew(asked, today, uncertainty):
+    today.scroll_into_view_if_needed()
+    place = today.bounding_box()["y"]
+    asked.evaluate(_PLACES, '[data-day="0"]')
+
+    uncertainty.evaluate("button => button.click()")
+
+    assert_chosen(uncertainty)
+    assert asked.evaluate("window.places") == [place]
+
+
 def test_an_answer_can_be_changed(asked, today, uncertainty):
     today.click()
     assert_chosen(today)
