@@ -37,9 +37,13 @@ class Windows:
         self._browser.close()
 
 
+_PATIENCE_MS = 120_000  # for a page or a control, on a machine that does four other things
+
+
 class _Window:
     def __init__(self, browser, touch):
         self._context = browser.new_context(has_touch=touch)
+        self._context.set_default_timeout(_PATIENCE_MS)
         self.page = self._context.new_page()
         # A script that Playwright adds stays; one that is added below it can be taken away again.
         self._browser = self._context.new_cdp_session(self.page)

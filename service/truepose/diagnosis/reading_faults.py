@@ -118,6 +118,7 @@ def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
         Bad are those that the fit gave no weight, or none at all.
     """
     none = np.zeros(len(squared), dtype=bool)
+    squared = np.maximum(squared, 1e-12)  # a reading that lies on the model has no logarithm
     if _stand_apart(squared, components, gross):
         return Tails(gross, None)
     normal = _normal(squared, components)
@@ -159,14 +160,13 @@ def _student(squared: FloatArray, components: int) -> tuple[float, float]:
 
     The squared radius of a multivariate t of d components with scale s and nu degrees of freedom.
     """
-    # A reading that lies on the model has no logarithm.
-    d, safe = components, np.maximum(squared, 1e-12)
+    d = components
 
     def negative(p: FloatArray) -> float:
         """Return minus the log likelihood; the logarithms of scale and degrees keep both above 0."""
         scale, nu = np.exp(p[0]), np.exp(p[1])
         constant = gammaln((nu + d) / 2) - gammaln(nu / 2) - gammaln(d / 2) - d / 2 * np.log(nu * scale)
-        kernel = (d / 2 - 1) * np.log(safe) - (nu + d) / 2 * np.log1p(safe / (nu * scale))
+        kernel = (d / 2 - 1) * np.log(squared) - (nu + d) / 2 * np.log1p(squared / (nu * scale))
         return -float((constant + kernel).sum())
 
     start = np.array([np.log(max(float(np.median(squared)) / d, 1e-12)), np.log(5.0)])

@@ -43,6 +43,17 @@ def test_few_normal_readings_seldom_look_heavy_tailed():
     assert sum(one.degrees_of_freedom is not None for one in found) <= 1
 
 
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_a_reading_that_lies_on_the_model_is_normal(components):
+    squared = squared_radius(normal(10)[:, :components])
+    squared[0] = 0.0
+
+    found = tails(squared, components, nobody(10))
+
+    assert found.degrees_of_freedom is None
+    assert not found.bad.any()
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_students_noise_is_heavy_tailed_and_no_reading_of_it_is_bad(seed):
     squared = squared_radius(student(4.0, seed=seed))
