@@ -1,13 +1,14 @@
 """Lists over all kinds of records, and how one came of another, on a database that a demo run left."""
 
 import contextlib
+import json
 import sqlite3
 
 import pytest
 
 from tests.helpers.storage.demo_database import write_demo
 from truepose.storage.database import Database
-from truepose.storage.results.items import HELD_OUT, WorkKind
+from truepose.storage.results.items import HELD_OUT, NO_LIMIT, WORSE, WorkKind
 from truepose.storage.results.lineage import Lineages, WorkList
 
 _EVERY = tuple(WorkKind)
@@ -77,9 +78,41 @@ async def test_each_kind_says_its_state_and_its_robot(work):
     assert found["session", 1].role == "calibration"
     assert found["campaign", 1].role == HELD_OUT
     assert found["diagnosis", 1].state == "consistent"
-    assert found["validation", 1].state == "passed"
+    assert found["validation", 1].state == NO_LIMIT
     assert {item.robot for item in found.values()} == {"ABB IRB 120"}
     assert all(item.simulated for item in found.values())
+
+
+@pytest.mark.parametrize(
+    ("limit_mm", "verdict", "passed", "state"),
+    [
+        (0.1, "conforms", True, "passed"),
+        (0.1, "does not conform", False, "failed"),
+        (0.1, "cannot be decided", True, "undecided"),
+        (0.1, None, True, "passed"),
+        (0.1, None, False, "failed"),
+        (None, None, True, NO_LIMIT),
+        (None, None, False, WORSE),
+    ],
+)
+async def test_a_validation_passes_or_fails_by_the_decision_about_its_limit(
+    left, tmp_path, limit_mm, verdict, passed, state
+):
+    file = tmp_path / "judged.sqlite3"
+    file.write_bytes(left.read_bytes())
+    decision = None if verdict is None else {"verdict": verdict}
+    document = json.dumps({"limit_mm": limit_mm, "decision": decision, "passed": passed})
+    with contextlib.closing(sqlite3.connect(file)) as connection, connection:
+        connection.execute(
+            "INSERT INTO validations (recorded_at, job_id, model_id, campaign_id, document) "
+            "VALUES ('2027', 1, 1, 1, ?)",
+            [document],
+        )
+
+    with contextlib.closing(Database(f"sqlite:///{file}")) as database:
+        newest = (await WorkList(database).page([WorkKind.VALIDATION])).items[0]
+
+    assert newest.state == state
 
 
 async def test_parts_of_a_list_meet_without_a_gap(work):
@@ -138,6 +171,19 @@ async def test_robots_are_named_once(work):
         ),
         (WorkKind.MODEL, 2, {"session 1", "session 2", "campaign 1", "identification 1", "diagnosis 1"}),
         (WorkKind.DIAGNOSIS, 1, {"session 1", "session 2", "campaign 1", "identification 1", "model 2"}),
+        (
+            WorkKind.IDENTIFICATION,
+            1,
+            {
+                "session 1",
+                "session 2",
+                "campaign 1",
+                "model 1",
+                "diagnosis 1",
+                "model 2",
+                "validation 1",
+            },
+        ),
         (WorkKind.VALIDATION, 1, {"session 1", "session 2", "campaign 1", "identification 1", "model 1"}),
     ],
 )

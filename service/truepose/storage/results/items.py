@@ -42,6 +42,8 @@ from truepose.storage.tables import (
 PROOF: Final = "proof"  # role of a session that was planned to prove a model
 TEST: Final = "test"  # and of one with the ballbar whose readings do not identify
 HELD_OUT: Final = "held_out"  # role of a campaign with readings that judge a model and never identify it
+# What a validation came to: by its decision about a limit, else by what its model claims.
+PASSED, FAILED, UNDECIDED, NO_LIMIT, WORSE = "passed", "failed", "undecided", "no_limit", "worse"
 
 
 class WorkKind(StrEnum):
@@ -67,7 +69,7 @@ class WorkItem:
     name: str
     robot: str
     serial_number: str
-    state: str  # of a session, a job; status, verdict, or `passed` and `failed`
+    state: str  # of a session, a job; status, verdict; what the decision about a limit came to
     role: str  # what a session is for, what a job makes; empty for others
     simulated: bool
 
@@ -225,13 +227,25 @@ _MODELS = Source(
         "simulated": simulated_campaign(),
     },
 )
+_VALIDATION_STATES: Final = {
+    "conforms": PASSED,
+    "does not conform": FAILED,
+    "cannot be decided": UNDECIDED,
+}
+_decision: Final = text_at(validations.c.document, "$.decision.verdict")
+_met: Final = truth_at(validations.c.document, "$.passed")
 _VALIDATIONS = Source(
     validations,
     validations.join(campaigns, campaigns.c.id == validations.c.campaign_id),
     {
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
-        "state": case((truth_at(validations.c.document, "$.passed"), "passed"), else_="failed"),
+        "state": case(
+            *((_decision == verdict, state) for verdict, state in _VALIDATION_STATES.items()),
+            (text_at(validations.c.document, "$.limit_mm").is_(None), case((_met, NO_LIMIT), else_=WORSE)),
+            (_met, PASSED),  # of a program that knew no decision rule
+            else_=FAILED,
+        ),
         "simulated": simulated_campaign(),
     },
 )

@@ -194,18 +194,24 @@ def _proofs_of(model: int) -> Select[Any]:
     return found.where(jobs.c.kind == JobKind.PLAN.value, _proved == model)
 
 
-def _origin_of_diagnosis(number: int) -> Select[Any]:
-    """Return the query of a diagnosis' campaign, and of the identification made of that before."""
-    before = (
-        select(func.max(identifications.c.id))
-        .where(
-            identifications.c.campaign_id == diagnoses.c.campaign_id,
-            identifications.c.recorded_at <= diagnoses.c.recorded_at,
-        )
-        .scalar_subquery()
+_identified: Final = (  # the identification that was made last of the campaign of a diagnosis, before it
+    select(func.max(identifications.c.id))
+    .where(
+        identifications.c.campaign_id == diagnoses.c.campaign_id,
+        identifications.c.recorded_at <= diagnoses.c.recorded_at,
     )
-    found = diagnoses.c.campaign_id.label("campaign"), before.label("identification")
+    .correlate(diagnoses)
+    .scalar_subquery()
+)
+
+
+def _origin_of_diagnosis(number: int) -> Select[Any]:
+    found = diagnoses.c.campaign_id.label("campaign"), _identified.label("identification")
     return select(*found).where(diagnoses.c.id == number)
+
+
+def _diagnoses_after(identification: int) -> Select[Any]:
+    return select(diagnoses.c.id.label("diagnosis")).where(_identified == identification)
 
 
 def _origin_of_model(number: int) -> Select[Any]:
@@ -233,7 +239,10 @@ _CHILDREN = {
         _related(WorkKind.IDENTIFICATION, identifications.c.id, identifications.c.campaign_id),
         _related(WorkKind.DIAGNOSIS, diagnoses.c.id, diagnoses.c.campaign_id),
     ),
-    WorkKind.IDENTIFICATION: (_related(WorkKind.MODEL, models.c.id, models.c.identification_id),),
+    WorkKind.IDENTIFICATION: (
+        _related(WorkKind.MODEL, models.c.id, models.c.identification_id),
+        _diagnoses_after,
+    ),
     WorkKind.DIAGNOSIS: (_related(WorkKind.MODEL, models.c.id, models.c.diagnosis_id),),
     WorkKind.MODEL: (
         _related(WorkKind.VALIDATION, validations.c.id, validations.c.model_id),

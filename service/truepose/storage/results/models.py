@@ -1,7 +1,7 @@
 """What jobs made: identifications, models and validations, each stored with the end of its job."""
 
 import dataclasses
-from typing import Any
+from typing import Any, Final
 
 from sqlalchemy import Connection, Row, Select, func, select
 
@@ -29,6 +29,12 @@ from truepose.storage.results.campaigns import simulated_campaign
 from truepose.storage.results.jobs import add_job_state, add_result
 from truepose.storage.rows import from_row
 from truepose.storage.tables import campaigns, diagnoses, identifications, models, validations
+
+_JUDGED: Final = {
+    "conforms": said("job.passed"),
+    "does not conform": said("job.not_passed"),
+    "cannot be decided": said("job.undecided"),
+}
 
 
 class ResultRepository(Repository):
@@ -61,7 +67,7 @@ class ResultRepository(Repository):
 
     async def keep_validation(self, job_id: int, model_id: int, campaign_id: int, found: Validation) -> int:
         """Store a validation and end the job."""
-        message = said("job.passed" if found.passed else "job.not_passed")
+        message = said("job.no_limit") if found.decision is None else _JUDGED[found.decision.verdict]
         values = {"model_id": model_id, "campaign_id": campaign_id, "document": to_document(found)}
         return await self._database.write(lambda c: add_result(c, validations, job_id, message, **values))
 

@@ -12,6 +12,7 @@ from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.identification import Model
 from truepose.exchange.models.exports import FORMATS, Format, export
 from truepose.messages.catalogue import Catalogue
+from truepose.messages.message import Message
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.results.items import WorkKind
 from truepose.validation.outcome import outcome_of
@@ -71,7 +72,22 @@ async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLRespo
         visit, of, lambda: asyncio.to_thread(_rendered, record, visit.words), whole=whole
     )
     trail = await trail_of(visit, WorkKind.MODEL, record.id)
-    return visit.page("results/model.html", record=record, told=told, trail=trail)
+    outcome = await _outcome(visit, record)
+    return visit.page("results/model.html", record=record, outcome=outcome, told=told, trail=trail)
+
+
+async def _outcome(visit: Visit, record: ModelRecord) -> Message | None:
+    """Return what a model came to where it was judged last; None of one that was handed down unjudged."""
+    here = visit.here
+    lineage = await here.lineages.of(WorkKind.MODEL, record.id)
+    judged = lineage.newest(WorkKind.VALIDATION)
+    if judged is not None:
+        return outcome_of((await here.results.validation(judged.id)).validation)
+    if record.diagnosis_id is not None:
+        return outcome_of((await here.diagnoses.get(record.diagnosis_id)).diagnosis)
+    if record.identification_id is not None:
+        return outcome_of((await here.results.identification(record.identification_id)).identification)
+    return None
 
 
 def _rendered(record: ModelRecord, words: Catalogue) -> str:

@@ -5,13 +5,13 @@ It follows from the records alone. No state of a workflow is kept that could con
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from truepose.domain.session import SessionState
 from truepose.messages.message import Message, message
 from truepose.sessions.engine.states import has_ended
-from truepose.storage.results.items import HELD_OUT, PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.results.items import FAILED, HELD_OUT, PROOF, TEST, UNDECIDED, WORSE, WorkItem, WorkKind
 from truepose.storage.results.lineage import Lineage
 
 _TESTING: Final = ("validation", TEST)  # roles of sessions whose readings judge
@@ -141,9 +141,13 @@ def _of_model(lineage: Lineage) -> NextAction | None:
         return NextAction(message("step.diagnose.why"), "step.diagnose", asks=asks, leads="/diagnoses")
     correct = NextAction(message("step.correct.why"), "step.correct", f"/corrections?model_id={model.id}")
     validation = lineage.newest(WorkKind.VALIDATION)
-    if validation is not None and validation.recorded_at >= model.recorded_at:
-        return correct
-    return _validate(model, campaign, correct)
+    if validation is None or validation.recorded_at < model.recorded_at:
+        return _validate(model, campaign, correct)
+    if validation.state in {FAILED, WORSE}:
+        return NextAction(message("step.not_passed.why"), "step.plan", "/plan", beside=correct)
+    if validation.state == UNDECIDED:
+        return replace(_validate(model, campaign, correct), why=message("step.undecided.why"))
+    return correct
 
 
 def _validate(model: WorkItem, campaign: WorkItem | None, beside: NextAction) -> NextAction:

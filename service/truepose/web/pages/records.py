@@ -8,7 +8,8 @@ from truepose.domain.session import SessionState
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import JobKind, JobState
-from truepose.storage.results.items import WorkItem, WorkKind
+from truepose.storage.results.items import FAILED, NO_LIMIT, PASSED, UNDECIDED, WORSE, WorkItem, WorkKind
+from truepose.storage.results.lineage import Lineage
 from truepose.web.pages.next_action import NextAction, action_after
 from truepose.web.pages.rendering import MissingPageError, Visit, moment
 from truepose.web.resources import number_of
@@ -44,7 +45,13 @@ _STATES: Final[Mapping[WorkKind, Mapping[str, tuple[str, str]]]] = {
         "unexplained": ("bad", "verdict.unexplained"),
         "not_answered": ("idle", "verdict.not_answered"),
     },
-    WorkKind.VALIDATION: {"passed": ("good", "work.passed"), "failed": ("bad", "work.failed")},
+    WorkKind.VALIDATION: {
+        PASSED: ("good", "work.passed"),
+        FAILED: ("bad", "work.failed"),
+        UNDECIDED: ("warn", "work.undecided"),
+        NO_LIMIT: ("idle", "work.no_limit"),
+        WORSE: ("bad", "work.worse"),
+    },
     WorkKind.JOB: {
         JobState.QUEUED: ("busy", "job.queued"),
         JobState.RUNNING: ("busy", "job.running"),
@@ -138,7 +145,15 @@ async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
     lineage = await visit.here.lineages.of(kind, number)
     links = tuple(link_to(item, visit.words) for item in lineage.items)
     report = f"/reports/{kind.value}/{number}" if kind in _REPORTED else ""
-    return Trail(address_of(kind, number), report, links, action_after(lineage))
+    return Trail(address_of(kind, number), report, links, action_after(await _judged(visit, kind, lineage)))
+
+
+async def _judged(visit: Visit, kind: WorkKind, lineage: Lineage) -> Lineage:
+    """Return what the next step follows from: of a model also what was made of its identification since."""
+    made_by = lineage.newest(WorkKind.IDENTIFICATION)
+    if kind not in {WorkKind.MODEL, WorkKind.VALIDATION} or made_by is None:
+        return lineage
+    return await visit.here.lineages.of(made_by.kind, made_by.id)
 
 
 async def record_at(id: str, get: Callable[[int], Awaitable[Record]]) -> Record:

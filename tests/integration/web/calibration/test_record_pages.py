@@ -66,10 +66,19 @@ async def test_a_record_says_what_it_is_and_leads_to_what_it_came_of_and_what_ca
     assert "SIMULATED" in reply.text
 
 
-async def test_an_identified_model_is_diagnosed_by_one_tap(client):
-    (step,) = asked(await client.get("/models/1"))
+@pytest.mark.parametrize(
+    "path", ["/identifications/1", "/models/1", "/validations/1", "/diagnoses/1", "/models/2"]
+)
+async def test_each_record_of_what_was_diagnosed_leads_to_the_same_next_step(client, path):
+    (step,) = asked(await client.get(path))
 
-    assert step == ([{"path": "/api/v1/diagnoses", "body": {"campaign_id": 1}, "takes": ""}], "/diagnoses")
+    body = {"model_id": 2, "campaign_id": 1}
+    assert step == ([{"path": "/api/v1/validations", "body": body, "takes": ""}], "/validations")
+
+
+@pytest.mark.parametrize("path", ["/models/1", "/models/2"])  # of an identification, of a diagnosis
+async def test_a_model_begins_with_the_error_before_and_after(client, path):
+    assert "before (nominal)" in Page((await client.get(path)).text).text
 
 
 async def test_a_diagnosis_leads_to_the_correction_with_its_model(client):

@@ -94,6 +94,13 @@ def test_each_result_leads_to_the_next(made, action):
     assert action_after(Lineage(_WAY[:made])).action == action
 
 
+def test_an_identified_model_is_diagnosed_by_one_tap():
+    step = action_after(Lineage(_WAY[:4]))
+
+    assert step.asks == (Ask("/api/v1/diagnoses", {"campaign_id": 8}),)
+    assert step.leads == "/diagnoses"
+
+
 def test_a_model_is_validated_on_readings_that_it_never_saw_with_a_limit_of_the_readers_choice():
     held_out = replace(_CAMPAIGN, role=HELD_OUT)
 
@@ -115,6 +122,22 @@ def test_what_judged_an_older_model_does_not_judge_the_newest():
     judged_before = (_CAMPAIGN, _IDENTIFIED, _MODEL, replace(_VALIDATED, recorded_at=_MODEL.recorded_at))
 
     assert action_after(Lineage((*judged_before, _DIAGNOSED, _EXTENDED))).action == "step.validate"
+
+
+@pytest.mark.parametrize(
+    ("state", "action", "why"),
+    [
+        ("passed", "step.correct", "step.correct.why"),
+        ("no_limit", "step.correct", "step.correct.why"),
+        ("failed", "step.plan", "step.not_passed.why"),
+        ("worse", "step.plan", "step.not_passed.why"),
+        ("undecided", "step.validate", "step.undecided.why"),
+    ],
+)
+def test_only_a_model_that_was_not_refused_leads_to_a_correction(state, action, why):
+    step = action_after(Lineage((*_WAY[:6], replace(_VALIDATED, state=state))))
+
+    assert (step.action, step.why.key) == (action, why)
 
 
 def test_identify_and_diagnose_makes_both_of_one_campaign():
