@@ -94,7 +94,7 @@ def plural_of(effect: str) -> str:
 def amplitude_of(effect: str) -> str:
     """Return what the amplitude of a cause is."""
     declared = _declared(effect)
-    return "largest departure, as its sentence says" if declared is None else declared.amplitude
+    return "largest deviation, as described in the finding" if declared is None else declared.amplitude
 
 
 def curve_kind(effect: str) -> Drawn:

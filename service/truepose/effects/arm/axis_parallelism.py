@@ -27,7 +27,7 @@ NAME = "axis_parallelism"
 
 
 class AxisParallelism:
-    """Beta of the axes that are meant to be parallel to the one before, for models without it."""
+    """Beta of axes that are nominally parallel to the previous one, for models without it."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

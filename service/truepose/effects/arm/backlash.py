@@ -33,7 +33,7 @@ _FEWEST_EACH_WAY = 4  # stops from either side without which a gap is hardly mor
 
 
 class Backlash:
-    """One gap per joint."""
+    """One backlash per joint."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"direction"})
@@ -42,7 +42,7 @@ class Backlash:
         OF_SUBJECT,
         "direction",
         "sign",
-        "full gap between the two directions of approach",
+        "full difference between the two directions of approach",
         plural="joints",
         drawn="joint",
     )

@@ -46,7 +46,7 @@ _ONLY_PRODUCTS = message("open.only_products")
 
 
 class Compliance:
-    """One spring per joint that carries torque."""
+    """One torsional compliance per joint that carries torque."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
@@ -55,7 +55,7 @@ class Compliance:
         OF_SUBJECT,
         "torque of {subject}",
         "line",
-        "turn of the joint per torque about its axis",
+        "joint rotation per unit torque about its axis",
         drawn="joint",
     )
 

@@ -38,7 +38,7 @@ _BENT = 0.5  # of t0: a joint whose torque stays below has no bend in its charac
 
 
 class ComplianceNonlinear:
-    """Softness near zero torque of every gearbox that carries torque."""
+    """Additional compliance near zero torque of every gearbox that carries torque."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
@@ -46,7 +46,7 @@ class ComplianceNonlinear:
         OF_SUBJECT,
         "torque of {subject}",
         "curve",
-        "additional compliance near zero torque, relative",
+        "relative additional compliance near zero torque",
         plural="joints",
         drawn="joint",
     )

@@ -64,7 +64,7 @@ def _angle(quantity: str, joint: int) -> ParameterSpec:
 
 
 class Geometry:
-    """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too.
+    """DH-Modified errors of rows 2..J; with `tilt`, also beta of near-parallel axes.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Geometry:
 
 
 class JointOffset:
-    """Level 1 alone: the zero of every joint but the first, which belongs to the base."""
+    """Level 1 only: the zero of every joint except the first, which belongs to the base."""
 
     name = "joint_offset"
     needs = NOTHING

@@ -28,7 +28,7 @@ WRIST_JOINTS = 3
 
 
 class JointCoupling(OfTurningJoints):
-    """One factor per pair of a wrist joint and the joint that drags it."""
+    """One factor per pair of a wrist joint and the joint that moves it along."""
 
     name = NAME
     traits = frozenset({Trait.STEADY})
@@ -36,7 +36,7 @@ class JointCoupling(OfTurningJoints):
         OF_SUBJECT,
         "angle of joint {variant:g}",
         "line",
-        "turn of this joint per turn of the other",
+        "rotation of this joint per rotation of the other",
         drawn="joint",
     )
 

@@ -25,7 +25,7 @@ _WIDTH = 1e-3  # gear ratios are exact; scale errors of encoders stay well below
 
 
 class JointGain(OfTurningJoints):
-    """One factor per joint on its own angle."""
+    """One factor per joint, on its own angle."""
 
     name = NAME
     traits = frozenset({Trait.STEADY})
@@ -33,7 +33,7 @@ class JointGain(OfTurningJoints):
         OF_SUBJECT,
         "angle of {subject}",
         "line",
-        "share by which the joint turns further than it should",
+        "relative excess rotation of the joint",
         drawn="joint",
     )
 

@@ -53,7 +53,7 @@ _ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest 
 
 
 class JointHarmonics(OfTurningJoints):
-    """Waves of any order on any joint."""
+    """Harmonics of any order on any joint."""
 
     name = NAME
     traits = frozenset({Trait.STEADY, Trait.WAVES, Trait.AGEING})
@@ -61,7 +61,7 @@ class JointHarmonics(OfTurningJoints):
         OF_SUBJECT,
         "angle of {subject}",
         "wave",
-        "amplitude of the wave: half of peak to peak",
+        "half the peak-to-peak value",
         function="curve",
         drawn="joint",
     )

@@ -131,7 +131,7 @@ class Beam(NamedTuple):
 
 
 class LinkBending:
-    """1/EI of every long link beyond the first."""
+    """Bending compliance 1/EI of every long link after the first."""
 
     name = NAME
     # Weights bend a link where masses are known; no torque about a joint takes part.

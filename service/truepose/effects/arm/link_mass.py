@@ -12,13 +12,11 @@ NAME = "link_mass"
 
 
 class LinkMasses:
-    """Mass and first moment of every link whose mass is stated; the last frame's is the payload."""
+    """Mass and first moment of every link with a stated mass; that of the last frame is the payload."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
-    signature = Signature(
-        OF_SUBJECT, "load", "line", "mass by which the link differs", plural="links", at="link"
-    )
+    signature = Signature(OF_SUBJECT, "load", "line", "deviation of the link mass", plural="links", at="link")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return mass and three first moments per link where torques come from masses."""

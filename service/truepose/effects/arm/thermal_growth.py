@@ -24,13 +24,13 @@ _SMALLEST_RANGE_K = 0.5  # over less, a metre of aluminium grows by less than a 
 
 
 class ThermalGrowth:
-    """One coefficient of expansion for all links."""
+    """One coefficient of thermal expansion for all links."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"temperature"})
     traits = frozenset({Trait.OF_MATERIAL})
     signature = Signature(
-        "links", "temperature", "line", "relative growth of lengths per kelvin", drawn="shift"
+        "links", "temperature", "line", "relative thermal expansion per kelvin", drawn="shift"
     )
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:

@@ -20,7 +20,7 @@ WIDTH_RAD = 0.05
 
 
 class Base:
-    """Base frame: a shift in the world, and a turn RotX RotY RotZ in front of the start rotation."""
+    """Base frame: translation in the world, and rotation RotX RotY RotZ before the start rotation."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

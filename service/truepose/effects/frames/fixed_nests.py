@@ -13,7 +13,7 @@ _SMALLEST_WIDTH_MM = 1e-4  # of a certificate that claims to know its nest exact
 
 
 class Reference(WithoutParameters):
-    """Parameters of the fixed nests: `reference_specs` has them, for what was read says which there are."""
+    """Parameters of the reference nests that were measured, as `reference_specs` lists them."""
 
     name = NAME
     traits = frozenset({Trait.NUISANCE, Trait.ON_FIXED_NESTS})

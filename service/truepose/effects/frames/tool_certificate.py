@@ -13,7 +13,7 @@ NAME = "tool_certificate"
 
 
 class ToolCertificate:
-    """Errors of certified nests within their certificates."""
+    """Deviations of certified nests within the uncertainty of their certificates."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

@@ -16,7 +16,7 @@ _ROTATIONS = ("tool_rx", "tool_ry", "tool_rz")
 
 
 class Tool:
-    """Unknown nests and the unknown orientation of the tool; certified nests are no parameters."""
+    """Unknown nests and the unknown orientation of the tool; certified nests are not parameters."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

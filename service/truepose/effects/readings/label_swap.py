@@ -23,11 +23,11 @@ def pair_subject(first: int, second: int) -> str:
 
 
 class LabelSwap(WithoutParameters):
-    """Two nests confused."""
+    """Two nests whose labels were swapped."""
 
     name = NAME
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
-    signature = Signature("readings", "constant", "group", "share of the readings")
+    signature = Signature("readings", "constant", "group", "fraction of the readings")
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need several nests."""

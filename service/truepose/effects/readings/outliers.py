@@ -16,11 +16,11 @@ _FEWEST = 10  # readings among which one can stand out
 
 
 class Outliers(WithoutParameters):
-    """Readings that belong to no model."""
+    """Readings that no model explains."""
 
     name = NAME
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
-    signature = Signature("readings", "constant", "group", "share of the readings")
+    signature = Signature("readings", "constant", "group", "fraction of the readings")
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need readings enough for one to stand out."""

@@ -27,12 +27,12 @@ _ROUNDING_S = 1e-3  # of stored times
 
 
 class BallbarZero:
-    """One constant, or one rate, per initialisation."""
+    """One constant, or one drift rate, per initialisation."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"initialisation"})
     traits = frozenset({Trait.OF_LENGTHS})
-    signature = Signature("ballbar", "constant", "group", "constant error of a length")
+    signature = Signature("ballbar", "constant", "group", "constant length error")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return one constant per initialisation."""

@@ -23,12 +23,12 @@ _WIDTH = 3e-8  # rad/(N mm): belief, six times a table that visibly gives
 
 
 class BaseCompliance:
-    """One compliance about every horizontal axis."""
+    """One compliance about all horizontal axes."""
 
     name = NAME
     # Weights tilt the base where the masses are known; no torque about a joint takes part.
     needs: frozenset[Need] = NOTHING
-    signature = Signature("base", "load", "line", "tilt of the base per moment")
+    signature = Signature("base", "load", "line", "base tilt per unit moment")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the compliance where the masses are known."""

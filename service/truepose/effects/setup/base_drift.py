@@ -16,14 +16,12 @@ _BASE = 0
 
 
 class BaseDrift(RigidDrift):
-    """Six rates, even or settling."""
+    """Six drift rates, constant or settling."""
 
     name = NAME
     place = "base"
     prefix = "drift"
-    signature = Signature(
-        "base", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
-    )
+    signature = Signature("base", "time", "drift", "translation speed", searched="settling", drawn="shift")
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move the base as far as it has come: weight the way per rate [h]."""

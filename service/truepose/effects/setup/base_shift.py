@@ -24,12 +24,12 @@ _WIDTHS = Widths(0.5, 5e-4)  # five times a jump that spoils a calibration unnot
 
 
 class BaseShift:
-    """Six components from a moment on that only a search in the data finds."""
+    """Six components of a shift, at a time found by searching the data."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"time"})
     traits = frozenset({Trait.SEARCHED})
-    signature = Signature("base", "time", "jump", "length of the translation", drawn="shift")
+    signature = Signature("base", "time", "jump", "translation distance", drawn="shift")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: when it jumped is not known beforehand."""

@@ -38,12 +38,12 @@ _MOST_GAPS = 120  # over all placements
 
 
 class FixtureShift:
-    """Six components of one placement from a moment on that only a search in the data finds."""
+    """Six components of a shift of one placement, at a time found by searching the data."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"time"})
     traits = frozenset({Trait.SEARCHED, Trait.OF_LENGTHS})
-    signature = Signature(OF_SUBJECT, "time", "jump", "length of the translation", at="placement")
+    signature = Signature(OF_SUBJECT, "time", "jump", "translation distance", at="placement")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: when a fixture moved is not known beforehand."""

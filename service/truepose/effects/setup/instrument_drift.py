@@ -16,14 +16,12 @@ NAME = "instrument_drift"
 
 
 class InstrumentDrift(RigidDrift):
-    """Six rates, even or settling."""
+    """Six drift rates, constant or settling."""
 
     name = NAME
     place = prefix = "tracker"
     traits = frozenset({Trait.ON_FIXED_NESTS})
-    signature = Signature(
-        "tracker", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
-    )
+    signature = Signature("tracker", "time", "drift", "translation speed", searched="settling", drawn="shift")
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move everything that is read: weight the way per rate [h]."""

@@ -20,12 +20,12 @@ _LENGTHS_OF_THE_ARM = ("a_", "d_")
 
 
 class InstrumentScale:
-    """One factor on all lengths: of a tracker's readings, or of a ballbar's."""
+    """One scale factor on all lengths that a tracker or a ballbar reads."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.ON_FIXED_NESTS, Trait.AGEING, Trait.SCALE})
-    signature = Signature(OF_SUBJECT, "range", "line", "share by which lengths are off", at="instrument")
+    signature = Signature(OF_SUBJECT, "range", "line", "relative error of lengths", at="instrument")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the relative scale error."""

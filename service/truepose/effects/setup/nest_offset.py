@@ -28,12 +28,12 @@ _WIDTH_MM = 0.3  # five times an offset that spoils a calibration unnoticed
 
 
 class NestOffset:
-    """Three coordinates per nest, last frame."""
+    """Three coordinates per nest, in the last frame."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING
     signature = Signature(
-        OF_SUBJECT, "constant", "group", "distance from the certified place", at="nest", drawn="level"
+        OF_SUBJECT, "constant", "group", "distance from the certified position", at="nest", drawn="level"
     )
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:

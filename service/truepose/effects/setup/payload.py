@@ -15,11 +15,11 @@ _NAMES = ("payload_mass", "payload_x", "payload_y", "payload_z")
 
 
 class Payload:
-    """Mass and first moment of the tool beyond what is stated, in the last frame."""
+    """Deviation of mass and first moment of the tool from the stated values, in the last frame."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
-    signature = Signature("tool", "load", "line", "mass by which the tool differs")
+    signature = Signature("tool", "load", "line", "deviation of the tool mass")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return mass and three first moments where torques come from masses."""

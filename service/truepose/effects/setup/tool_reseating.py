@@ -126,9 +126,7 @@ class ToolReseating:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"attachment"})
-    signature = Signature(
-        "tool", "mounting", "group", "standard deviation from one mounting to the next", drawn="level"
-    )
+    signature = Signature("tool", "mounting", "group", "standard deviation between mountings", drawn="level")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the seats of all mountings."""
