@@ -79,9 +79,9 @@ def require_pdf() -> None:
             import weasyprint  # noqa: F401  # it looks for the libraries of the system when it is imported
     except OSError as error:
         raise NoPdfError(
-            "A PDF needs the text library Pango, which is not installed on this computer: install it"
+            "A PDF needs the Pango library, which is not installed on this computer. Install it"
             " (Debian and Ubuntu: apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0;"
-            " macOS: brew install pango; Windows: mingw-w64-ucrt-x86_64-pango of MSYS2), or use the .html."
+            " macOS: brew install pango; Windows: mingw-w64-ucrt-x86_64-pango from MSYS2), or use the .html."
         ) from error
 
 
@@ -112,7 +112,7 @@ def write_report_text(path: Path, html: str) -> None:
         path.write_bytes(body)
     except OSError as error:
         raise UnwritableReportError(
-            f"The report cannot be written to {path} ({error.strerror}); choose another file."
+            f"The report cannot be written to {path} ({error.strerror}). Choose another file."
         ) from error
 
 

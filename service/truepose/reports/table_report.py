@@ -112,7 +112,7 @@ def verdict_sentence(sections: Sequence[Section]) -> str:
     if not verdicts:
         return "No figure has a target."
     if _all_passed(sections):
-        return f"All {len(verdicts)} figures reach their targets."
+        return f"All {len(verdicts)} figures meet their targets."
     failed, missing = verdicts.count(Verdict.FAILED), verdicts.count(Verdict.NOT_MEASURED)
     return f"Of {len(verdicts)} figures with a target: {failed} failed, {missing} not measured."
 

@@ -10,7 +10,7 @@ def section(*verdicts):
 @pytest.mark.parametrize(
     ("verdicts", "sentence"),
     [
-        ((Verdict.PASSED, Verdict.PASSED, Verdict.NO_TARGET), "All 2 figures reach their targets."),
+        ((Verdict.PASSED, Verdict.PASSED, Verdict.NO_TARGET), "All 2 figures meet their targets."),
         (
             (Verdict.PASSED, Verdict.FAILED, Verdict.NOT_MEASURED),
             "Of 3 figures with a target: 1 failed, 1 not measured.",
