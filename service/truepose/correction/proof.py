@@ -117,7 +117,9 @@ def plan_proof(space: WorkSpace, template: SessionPlan, model: Model, n: int, se
     reached = pairs.solved.copy()
     reached[reached] = have_room_to_approach(approached, pairs.corrected_rad[reached])
     if not reached.any():
-        raise ConfigurationError("Not one of the targets can be corrected: the model is not of this robot.")
+        raise ConfigurationError(
+            "None of the targets can be corrected. Check that the model is of this robot."
+        )
     return replace(template, stops=tuple(_visits(pairs.taken(np.flatnonzero(reached)))))
 
 
@@ -281,16 +283,16 @@ def _paired(config: IntArray) -> tuple[IntArray, IntArray]:
     numbers, times = np.unique(config, return_counts=True)
     if (times > 1).any():
         raise ConfigurationError(
-            f"Configuration {int(numbers[np.argmax(times)])} was read {int(times.max())} times: a proof "
-            "holds one reading without a correction against one with it. Leave the others out."
+            f"Configuration {int(numbers[np.argmax(times)])} was read {int(times.max())} times. A proof "
+            "compares one reading without correction with one reading with correction; leave out the others."
         )
     row_of = {number: row for row, number in enumerate(config.tolist())}
     # Odd numbers are uncorrected stops, and the even one behind each is its correction.
     both = [number for number in sorted(row_of) if number % 2 == 1 and number + 1 in row_of]
     if len(both) < 2:
         raise ConfigurationError(
-            "A proof needs two targets at least that were measured without and with correction: "
-            f"these readings have {len(both)}."
+            "A proof needs at least two targets measured both without and with correction; these readings "
+            f"have {len(both)}."
         )
     return np.array([row_of[n] for n in both]), np.array([row_of[n + 1] for n in both])
 
@@ -300,8 +302,9 @@ def _require_planned(corrected_rad: FloatArray, visited_rad: FloatArray) -> None
     away = np.abs(corrected_rad - visited_rad).max(axis=1)
     if not (away < _SAME_RAD).all():
         raise ConfigurationError(
-            f"These readings are no proof of this model: target {int(np.argmax(away)) + 1} was approached at "
-            "other joints than this model corrects it to. Plan a proof with the model that it is to prove."
+            f"These readings cannot prove this model: target {int(np.argmax(away)) + 1} was measured at "
+            "joint angles other than those this model corrects it to. Plan the proof with the model to be "
+            "proved."
         )
 
 

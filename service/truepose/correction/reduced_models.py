@@ -302,8 +302,8 @@ def controller_values(model: Model) -> ControllerValues:
     seen, judged = zone_targets(model, _FIT_SEED), zone_targets(model, _JUDGE_SEED)
     if seen is None or judged is None:
         raise UnsuitableModelError(
-            "The model does not know its measured zone, or needs torques that only the controller measures: "
-            "identify again with this version, without torques."
+            "The model does not state its measured zone, or needs torques that only the controller measures. "
+            "Identify again with this version, without torques."
         )
     arm = nearest_arm(model, seen, PARAMETERS)
     return ControllerValues(

@@ -88,15 +88,14 @@ def check_rotations(rotation: FloatArray) -> None:
     wrong = ~(off <= _ORTHONORMAL)
     if wrong.any():
         raise ConfigurationError(
-            f"The orientation of row {int(np.argmax(wrong))} is no rotation: its axes are not of length 1 "
-            "and at right angles."
+            f"The orientation of row {int(np.argmax(wrong))} is not a rotation: its axes are not orthogonal "
+            "unit vectors."
         )
     # An orthonormal matrix may still mirror: lengths of 1 and right angles do not show it.
     mirrored = np.linalg.det(rotation) < 0.0
     if mirrored.any():
         raise ConfigurationError(
-            f"The orientation of row {int(np.argmax(mirrored))} is left-handed: "
-            "one of its axes points the wrong way."
+            f"The orientation of row {int(np.argmax(mirrored))} is left-handed. Reverse one of its axes."
         )
 
 

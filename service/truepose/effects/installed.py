@@ -77,7 +77,7 @@ def load_installed(entries: Iterable[EntryPoint]) -> Installed:
         if any(entry.name in known for known in (effects, kinds, broken)):
             for known in (effects, causes, kinds):
                 known.pop(entry.name, None)
-            broken[entry.name] = "two installed packages bring one of that name: remove one"
+            broken[entry.name] = "two installed packages provide it; remove one of them"
             continue
         try:
             match _loaded(entry):
@@ -113,9 +113,9 @@ def _checked_kind(kind: Kind, name: str) -> Kind:
     """Return a kind whose names can be told apart again; raises ConfigurationError."""
     _check_name(kind.name, name)
     if any("_" in one for one in (kind.name, *(part.name for part in kind.parts))):
-        raise ConfigurationError("names of a kind and of its parts have no underscore: it parts the two")
+        raise ConfigurationError("the names of a kind and of its parts must not contain underscores")
     if kind.shape not in get_args(Shape):
-        raise ConfigurationError(f"its shape {kind.shape!r} is none of {', '.join(get_args(Shape))}")
+        raise ConfigurationError(f"its shape {kind.shape!r} must be one of {', '.join(get_args(Shape))}")
     return kind
 
 
@@ -124,19 +124,19 @@ def _check_effect(effect: Effect, name: str, methods: tuple[str, ...]) -> None:
     lacking = [one for one in methods if not callable(getattr(effect, one, None))]
     if lacking:
         raise ConfigurationError(
-            f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}: no effect "
-            "and no Kind"
+            f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}, so it is neither an "
+            "effect nor a Kind"
         )
     # A model names its effects; under another name than the registered one it would not find this one again.
     _check_name(getattr(effect, "name", None), name)
     unknown = set(effect.needs) - set(get_args(Need))
     if unknown:
-        raise ConfigurationError(f"it needs {', '.join(sorted(unknown))}, which no row tells")
+        raise ConfigurationError(f"it needs {', '.join(sorted(unknown))}, which rows do not provide")
 
 
 def _check_name(own: object, registered: str) -> None:
     if own != registered:
-        raise ConfigurationError(f"it calls itself {own!r} but is registered as {registered!r}")
+        raise ConfigurationError(f"its name is {own!r}, but it is registered as {registered!r}")
 
 
 def _asked(name: str, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
@@ -150,8 +150,8 @@ def _asked(name: str, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -
         raise
     except Exception as error:
         raise InstalledCauseError(
-            f"The installed cause {name!r} failed with {type(error).__name__}: {error}. Mend or remove the "
-            "package that brings it."
+            f"The installed cause {name!r} failed with {type(error).__name__}: {error}. Repair or remove the "
+            "package that provides it."
         ) from error
 
 
@@ -249,7 +249,7 @@ def _guarded_kind(kind: Kind) -> Kind:
 def _words(words: str) -> str:
     """Return words of a place or a variable; raises ValueError where no subject of them comes apart again."""
     if ", " in words:
-        raise ValueError(f"{words!r} has a comma with a blank, which parts place, variable and shape")
+        raise ValueError(f"{words!r} contains a comma and a space, which separate place, variable and shape")
     return words
 
 
@@ -258,7 +258,9 @@ def _labelled(kind: Kind, variants: Variants) -> Variants:
     taken = tuple(variants)
     for label, _ in taken:
         if "_" in label:
-            raise ValueError(f"the variant {label!r} has an underscore, which parts the names of parameters")
+            raise ValueError(
+                f"the variant {label!r} contains an underscore, which separates the names of parameters"
+            )
         if kind.variant_is is not None:
             float(label)  # findings tell it as a number
     return taken

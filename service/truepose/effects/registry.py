@@ -98,7 +98,7 @@ CAUSES = {cause.name: cause for cause in _CAUSES} | {
     name: cause for name, cause in INSTALLED.causes.items() if name not in _OWN
 }
 _SHADOWED = (INSTALLED.effects.keys() & _OWN) | (INSTALLED.kinds.keys() & OWN.keys())
-_UNUSABLE = {**INSTALLED.broken, **dict.fromkeys(_SHADOWED, "truepose has one of that name itself")}
+_UNUSABLE = {**INSTALLED.broken, **dict.fromkeys(_SHADOWED, "truepose has its own cause of this name")}
 
 
 def unusable_causes() -> tuple[str, ...]:
@@ -120,7 +120,7 @@ def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
     """
     for place, name in enumerate(names):
         if effect_named(name).name in names[:place]:
-            raise ConfigurationError(f"Effect {name!r} is named twice: name it once.")
+            raise ConfigurationError(f"Effect {name!r} is given twice. Give it once.")
     return tuple(names)
 
 
@@ -241,5 +241,5 @@ def effect_named(name: str) -> Effect:
     if name in _UNUSABLE and name not in EFFECTS:
         raise UnknownEffectError(f"Effect {name!r} is installed but cannot be used: {_UNUSABLE[name]}.")
     if name not in EFFECTS:
-        raise UnknownEffectError(f"There is no effect {name!r}; known are {', '.join(EFFECTS)}.")
+        raise UnknownEffectError(f"Unknown effect {name!r}; available effects: {', '.join(EFFECTS)}.")
     return EFFECTS[name]

@@ -321,8 +321,8 @@ def fleet_of(campaigns: Sequence[FleetCampaign]) -> Fleet:
     robots = tuple(sorted({one.robot for one in campaigns}))
     if len(robots) < _FEWEST_ROBOTS:
         raise ConfigurationError(
-            f"A fleet has at least two robots of one type, and these campaigns are of {len(robots)}: "
-            "give those of another one too."
+            f"A fleet needs at least two robots of one type; these campaigns are of {len(robots)}. Add "
+            "campaigns of another robot."
         )
     instruments = tuple(sorted({one.instrument for one in campaigns}))
     specs = _all_specs(campaigns)

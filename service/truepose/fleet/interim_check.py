@@ -114,9 +114,12 @@ def quick_check(
         No cause was given, one is an instrument's, or the growth is not above 0.
     """
     if not causes or not grown_mm > 0.0:
-        raise ConfigurationError("A quick check is of at least one cause, and of a growth above 0 mm.")
+        raise ConfigurationError("An interim check needs at least one cause and a growth greater than 0 mm.")
     if not all(cause.directions[:-1].any() for cause in causes):
-        raise ConfigurationError("A quick check is of what ages in a robot, not of an instrument's scale.")
+        raise ConfigurationError(
+            "An interim check detects ageing of the robot, not of the scale of an instrument. Choose causes "
+            "in the robot."
+        )
     knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
     told = knowledge.told(candidates.joints_rad, candidates.nest).rows
     motion = knowledge.places(candidates.joints_rad, candidates.nest).motion
@@ -261,8 +264,8 @@ def checked_causes(account: Account) -> tuple[AgeingCause, ...]:
     )
     if not asked:
         raise ConfigurationError(
-            "A check asks what ages in a robot, and this fleet has neither a spring nor a line of a gear nor "
-            "a change of a robot: compare campaigns that are identified with such effects."
+            "An interim check detects ageing of the robot, but this fleet has no joint compliance, no gear "
+            "harmonics and no change of a robot. Compare campaigns identified with such effects."
         )
     return asked
 

@@ -155,7 +155,8 @@ class Resampling:
         kept = [values for values in drawn if values is not None]
         if len(kept) < FEWEST:
             raise ConfigurationError(
-                f"Of {len(drawn)} draws {len(kept)} converged, and a spread needs {FEWEST}: ask for more."
+                f"Only {len(kept)} of {len(drawn)} draws converged; at least {FEWEST} are needed. Request "
+                "more draws."
             )
         return Spread(way, len(kept), len(drawn) - len(kept), self._parameters(np.array(kept)))
 
@@ -180,8 +181,8 @@ class Resampling:
         configurations = np.unique(np.concatenate([block.targets.stops.config for block in of_arm]))
         if len(configurations) < FEWEST:
             raise ConfigurationError(
-                f"The campaign has {len(configurations)} configurations; drawing among fewer than {FEWEST} "
-                "says nothing: resample by noise."
+                f"The campaign has {len(configurations)} configurations; resampling them needs at least "
+                f"{FEWEST}. Resample by noise instead."
             )
         drawn = rng.choice(configurations, len(configurations))
         # Sides, distances and fixed nests belong to no configuration and are there in every draw.

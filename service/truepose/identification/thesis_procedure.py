@@ -74,7 +74,7 @@ def positions_from_legs(campaign: Campaign) -> Positions:
     legs = campaign.legs
     if legs is None or campaign.fixture is None or campaign.setup is None:
         raise ConfigurationError(
-            "The procedure of the thesis needs legs, fixture and setup of a ballbar campaign."
+            "The procedure of the thesis needs the legs, fixture and setup of a ballbar campaign."
         )
     nests = _measured_nests(campaign, campaign.fixture)
     cups = {
@@ -83,7 +83,9 @@ def positions_from_legs(campaign: Campaign) -> Positions:
     }
     rows, places, lost = _direct_kinematics(campaign, legs, cups, nests)
     if not places:
-        raise ConfigurationError("No configuration of the campaign has six legs that give a pose.")
+        raise ConfigurationError(
+            "No configuration of the campaign has six ballbar lengths that determine a pose."
+        )
     anchors = tuple(
         Anchor(number, point, (float(x), float(y), float(z)))
         for number, centres in cups.items()
@@ -125,7 +127,9 @@ def _measured_nests(campaign: Campaign, fixture: FixtureLengths) -> FloatArray:
     """Return the nests as the measured triangle has them, laid on their certified places, shape (3, 3)."""
     certified = known_placement(campaign)
     if len(certified.nests_mm) != _NESTS or certified.nest_unknown.any():
-        raise ConfigurationError("The procedure of the thesis needs three tool nests with certified places.")
+        raise ConfigurationError(
+            "The procedure of the thesis needs three tool nests with certified positions."
+        )
     measured = base_triangle(*(_side(fixture, TOOL_PLACEMENT, *ends) for ends in ((1, 2), (2, 3), (1, 3))))
     rotation, translation = rigid_alignment(measured, certified.nests_mm)
     return np.asarray(measured @ rotation.T + translation)
@@ -136,7 +140,9 @@ def _side(fixture: FixtureLengths, placement: int, first: int, second: int) -> f
     here = (fixture.placement == placement) & (ends == (first, second)).all(axis=1)
     if not here.any():
         what = "of the tool" if placement == TOOL_PLACEMENT else f"of placement {placement}"
-        raise ConfigurationError(f"Side {first}-{second} {what} was not measured: the triangle stays open.")
+        raise ConfigurationError(
+            f"Side {first}-{second} {what} was not measured, so the triangle is incomplete. Measure it."
+        )
     # A side may have been measured more than once.
     return float(fixture.length_mm[here].mean())
 
@@ -147,7 +153,9 @@ def _placed_cups(campaign: Campaign, fixture: FixtureLengths, setup: CupSetups, 
     here = here[np.argsort(setup.base_point[here])]
     points = setup.base_point[here].tolist()
     if points not in ([1, 2, 3], [1, 2, 3, 4]):
-        raise ConfigurationError(f"Placement {placement} lacks the set-up of a base point; it has {points}.")
+        raise ConfigurationError(
+            f"Placement {placement} lacks the set-up of at least one base point; it has {points}."
+        )
     cups = base_triangle(*(_side(fixture, placement, *ends) for ends in ((1, 2), (2, 3), (1, 3))))
     if len(points) > _NESTS:
         fourth = fourth_cup(cups, *(_side(fixture, placement, point, 4) for point in (1, 2, 3)))

@@ -231,7 +231,7 @@ def all_branches(robot: Robot, pose: FloatArray, *, reach_out: bool = False) -> 
         The pose is no 4 x 4 matrix, or not finite.
     """
     if pose.shape[-2:] != (4, 4) or not np.all(np.isfinite(pose)):
-        raise ConfigurationError("A pose is a 4 x 4 matrix with finite entries; check what was passed.")
+        raise ConfigurationError("A pose must be a 4 x 4 matrix with finite entries.")
     flat = pose.reshape(-1, 4, 4)
     form = _form_of(robot)
     found = (
@@ -350,7 +350,9 @@ def _numbered_form(robot: Robot) -> _Form:
     """Return the closed form of an arm; raises ConfigurationError where it has none."""
     form = _form_of(robot)
     if form is None:
-        raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+        raise ConfigurationError(
+            f"{robot.name} has no numbered branches: its inverse kinematics has no closed form."
+        )
     return form
 
 

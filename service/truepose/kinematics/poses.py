@@ -97,7 +97,9 @@ def pose_covariance(pose: Pose, nests_mm: FloatArray, points_covariance_mm2: Flo
     # By rank and not by the pivots of a solution: nests on a line leave one turn free, whatever the frame is.
     motion = points_gradient(pose, nests_mm).reshape(9, 6)
     if np.linalg.matrix_rank(motion) < 6:
-        raise UnderdeterminedError("The three tool nests are on a line: they show no turn about it.")
+        raise UnderdeterminedError(
+            "The three tool nests lie on a line, so rotation about it cannot be determined."
+        )
     back = np.linalg.pinv(motion)
     covariance: FloatArray = back @ points_covariance_mm2 @ back.T
     return covariance
@@ -197,7 +199,7 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
     """
     arms = nests_mm - centre(nests_mm)
     if np.linalg.matrix_rank(arms) < 2:
-        raise UnderdeterminedError("The nests are on a line: they show no turn about it.")
+        raise UnderdeterminedError("The nests lie on a line, so rotation about it cannot be determined.")
     # What is stated is how far the nests of the fitted body are off; the readings themselves err by more.
     sigma_mm = nest_mm * np.sqrt(nests_mm.size / _OF_A_RIGID_BODY)
     squares = (arms**2).sum() * np.eye(3) - arms.T @ arms

@@ -40,6 +40,6 @@ class ArmInTheWayError(NoWayError):
 
     def __init__(self, placement: int) -> None:
         super().__init__(
-            f"The arm would be in the way while the base fixture is put to placement {placement}: place it "
-            "further from the placement before."
+            f"The arm would be in the way when the base fixture is moved to placement {placement}. Put this "
+            "placement farther from the previous one."
         )

@@ -125,19 +125,19 @@ def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information
 def _check_arguments(jacobians: FloatArray, n: int, start: IntArray | None) -> None:
     if jacobians.ndim != 3 or not jacobians.shape[2] or not np.all(np.isfinite(jacobians)):
         raise ConfigurationError(
-            "Jacobians come as (candidates, rows, parameters) of one parameter at least, with finite entries "
-            "only."
+            "Jacobians must have the shape (candidates, rows, parameters), at least one parameter and only "
+            "finite entries."
         )
     if n < 1:
-        raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
+        raise ConfigurationError(f"The number of configurations must be at least 1 (got {n}).")
     if len(jacobians) < n:
         raise TooFewCandidatesError(
-            f"{n} configurations were asked for, and only {len(jacobians)} candidates are there."
+            f"{n} configurations were requested, but there are only {len(jacobians)} candidates."
         )
     candidates = range(len(jacobians))
     if start is not None and not (len(start) == n == len(set(start.tolist()) & set(candidates))):
         raise ConfigurationError(
-            f"A start consists of {n} different candidates, counted from 0 to {candidates[-1]}."
+            f"The start must consist of {n} different candidate indices from 0 to {candidates[-1]}."
         )
 
 
@@ -145,8 +145,8 @@ def _check_prior(jacobians: FloatArray, prior_information: FloatArray) -> None:
     parameters = jacobians.shape[2]
     if prior_information.shape != (parameters, parameters) or not np.all(np.isfinite(prior_information)):
         raise ConfigurationError(
-            f"What is known beforehand of {parameters} parameters comes as ({parameters}, {parameters}) with "
-            "finite entries only."
+            f"The prior information on {parameters} parameters must have the shape ({parameters}, "
+            f"{parameters}) and only finite entries."
         )
 
 

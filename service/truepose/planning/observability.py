@@ -33,7 +33,9 @@ def _singular_values(jacobian: FloatArray) -> FloatArray:
     Raises as `observability_o1`.
     """
     if jacobian.ndim != 2 or not jacobian.shape[1] or not np.all(np.isfinite(jacobian)):
-        raise ConfigurationError("A Jacobian has two axes, a column at least, and finite entries only.")
+        raise ConfigurationError(
+            "A Jacobian must have two dimensions, at least one column and only finite entries."
+        )
     rows, columns = jacobian.shape
     if rows < columns:
         raise UnderdeterminedError(f"{rows} observations cannot determine {columns} parameters.")

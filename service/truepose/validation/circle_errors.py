@@ -91,8 +91,8 @@ def find_sweeps(points: PointReadings) -> tuple[Sweep, ...]:
         )
     if not found:
         raise ConfigurationError(
-            "The table holds no readings in which one joint moved while all others stood: a circle test "
-            "turns one joint at a time."
+            "The table has no readings in which one joint moved while all others stood still. In a circle "
+            "test, move one joint at a time."
         )
     return tuple(sorted(found, key=lambda sweep: (sweep.joint, sweep.nest)))
 

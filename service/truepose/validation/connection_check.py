@@ -139,17 +139,17 @@ def _checked_noise(readings: Mapping[Leg, float], reading_u_mm: float, zero_u_mm
     """Return the variance of one reading."""
     for (cup, nest), length in readings.items():
         if not np.isfinite(length):
-            raise ConfigurationError(f"The length of leg B{cup} T{nest} is no number; read it again.")
+            raise ConfigurationError(f"The ballbar length B{cup} T{nest} is not a number. Read it again.")
     noise = reading_u_mm**2 + zero_u_mm**2
     if not (np.isfinite(noise) and noise > 0.0):
-        raise ConfigurationError("The uncertainty of a reading must be a number above 0 mm.")
+        raise ConfigurationError("The uncertainty of a reading must be greater than 0 mm.")
     return noise
 
 
 def _checked_spread(range_mm: float) -> float:
     """Return the variance of a length that may be anywhere within the range."""
     if not 0.0 < range_mm < np.inf:
-        raise ConfigurationError(f"The ballbar's range is {range_mm:g} mm; give it as a number above 0 mm.")
+        raise ConfigurationError(f"The ballbar range must be greater than 0 mm (got {range_mm:g} mm).")
     # An even distribution over -range to +range has the variance range^2 / 3.
     return range_mm**2 / 3.0
 

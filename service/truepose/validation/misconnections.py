@@ -266,7 +266,7 @@ class LengthForecast:
             Nothing is foreseen of the pair.
         """
         if leg not in self.pairs:
-            raise ConfigurationError(f"The forecast of this pose says nothing of leg B{leg[0]} T{leg[1]}.")
+            raise ConfigurationError(f"The forecast of this pose has no ballbar length B{leg[0]} T{leg[1]}.")
         return self.pairs.index(leg)
 
 
@@ -294,14 +294,15 @@ def foreseen_by(forecast: PoseForecast, noise_mm2: float, spread_mm2: float) -> 
     length, covariance = np.array(forecast.length_mm), np.array(forecast.covariance_mm2)
     if covariance.shape != (len(length), len(length)) or len(forecast.legs) != len(length):
         raise ConfigurationError(
-            f"The forecast of configuration {forecast.config} needs one length and one row and column of "
-            f"covariance for each of its {len(forecast.legs)} legs."
+            f"The forecast of configuration {forecast.config} needs one length and one covariance row and "
+            f"column for each of its {len(forecast.legs)} ballbar lengths."
         )
     finite = np.isfinite(length).all() and np.isfinite(covariance).all()
     # a little below 0 by rounding does no harm: the noise outweighs it at every scale
     if not finite or np.linalg.eigvalsh(covariance)[0] < -0.01 * noise_mm2:
         raise ConfigurationError(
-            f"The covariance of the forecast of configuration {forecast.config} is not one of real lengths."
+            f"The forecast of configuration {forecast.config} must have finite lengths and a positive "
+            "semi-definite covariance."
         )
     return LengthForecast(forecast.legs, length, covariance, noise_mm2, spread_mm2)
 

@@ -324,8 +324,8 @@ def compare_models(earlier: Model, later: Model, readings: Readings) -> ModelCom
     """
     if earlier.robot.joints != later.robot.joints:
         raise ConfigurationError(
-            f"{earlier.robot.name} and {later.robot.name} have different nominal tables; "
-            "compare models of one robot."
+            f"{earlier.robot.name} and {later.robot.name} have different nominal tables. "
+            "Compare models of the same robot."
         )
     before, after = _own(earlier), _own(later)
     common = [name for name in after if name in before]

@@ -174,7 +174,7 @@ def _legs(campaign: Campaign) -> LegReadings:
     """Return the lengths that the test is made of: those to validate with, where there are any."""
     legs = campaign.validation_legs or campaign.legs
     if not legs:
-        raise ConfigurationError("A sphere test takes lengths between a ball and the tool; there is none.")
+        raise ConfigurationError("A sphere test needs lengths between a ball and the tool; there are none.")
     return legs
 
 
@@ -188,8 +188,8 @@ def _require_in_range(campaign: Campaign, legs: LegReadings) -> None:
     if outside.size:
         row = int(outside[0])
         raise ConfigurationError(
-            f"Configuration {legs.stops.config[row]} has a length of {legs.length_mm[row]:g} mm; the ballbar "
-            f"measures {nominal:g} +-{reach:g} mm: these are other bars, or another unit."
+            f"Configuration {legs.stops.config[row]} has a length of {legs.length_mm[row]:g} mm, outside the "
+            f"ballbar range of {nominal:g} +-{reach:g} mm. Check the ballbar and the unit."
         )
 
 
@@ -200,7 +200,8 @@ def _nests(campaign: Campaign, legs: LegReadings) -> FloatArray:
     unknown = [nest for nest in used if nest > len(places) or not np.isfinite(places[nest - 1]).all()]
     if unknown:
         raise ConfigurationError(
-            f"The centre of tool nest {unknown[0]} is not known: a sphere test needs it in `tool_nests_mm`."
+            f"The centre of tool nest {unknown[0]} is not known. Give it in `tool_nests_mm` for a sphere "
+            "test."
         )
     return np.array(places)
 

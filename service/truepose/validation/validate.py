@@ -244,7 +244,7 @@ def validate(
         The readings do not fit the model, or there are none.
     """
     if len(readings) == 0:
-        raise ConfigurationError("There is no reading to validate with.")
+        raise ConfigurationError("There are no readings to validate with.")
     found = judge(model, readings, model.repeatability_mm)
     pair, claimed = found.pair(), found.claimed_mm()
     passed = _passes(pair, limit_mm, claimed)

@@ -82,7 +82,7 @@ def test_what_a_package_brings_can_be_asked_for_by_name(tmp_path):
     assert done.returncode == 0, done.stderr
     assert '"friction_3"' in done.stdout
     assert without.returncode == 2
-    assert "There is no effect 'friction_windup'" in without.stderr
+    assert "Unknown effect 'friction_windup'" in without.stderr
 
 
 def pulled_campaign(folder, pull, n=60):
@@ -156,7 +156,7 @@ def test_a_name_that_truepose_has_stays_its_own(tmp_path):
 
     assert done.stdout == (
         "Backlash direction The installed cause 'backlash' is not used: "
-        "truepose has one of that name itself.\n"
+        "truepose has its own cause of this name.\n"
     ), done.stderr
 
 
@@ -170,8 +170,8 @@ def test_a_cause_that_fails_while_it_works_is_named(tmp_path):
 
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
-        "The installed cause 'daily' failed with ZeroDivisionError: division by zero. Mend or remove the "
-        "package that brings it. [TP-4017]"
+        "The installed cause 'daily' failed with ZeroDivisionError: division by zero. Repair or remove the "
+        "package that provides it. [TP-4017]"
     ]
 
 

@@ -85,4 +85,4 @@ def test_points_of_a_campaign_are_refused_with_status_2(tmp_path):
     joints = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 6))
     file.write_text(point_text(read_on(IRB_120, joints)), encoding="utf-8")
 
-    assert "turns one joint at a time" in circles(file, status=2).stderr
+    assert "move one joint at a time" in circles(file, status=2).stderr

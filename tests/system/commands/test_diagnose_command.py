@@ -85,7 +85,7 @@ def test_the_first_line_on_a_terminal_is_the_answer(folder, done):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--effects", "base,geometri"), "no effect 'geometri'"),
+        (("--effects", "base,geometri"), "Unknown effect 'geometri'"),
         (("--effects", ","), "is empty: give"),
         (("--model-out", "nowhere/extended.json"), "does not exist; create it first"),
     ],

@@ -111,8 +111,8 @@ def test_a_description_that_is_none_is_refused(folder, text):
     [
         ("base,magic", ("'magic'", "base, tool, geometry", "compliance")),
         (",", ("auto",)),
-        ("geometry,joint_offset", ("leave one of the two out",)),
-        ("base,base", ("is named twice: name it once",)),
+        ("geometry,joint_offset", ("Leave out one of the two effects",)),
+        ("base,base", ("is given twice. Give it once",)),
     ],
 )
 def test_effects_that_make_no_model_are_refused(folder, effects, words):
@@ -264,7 +264,7 @@ def test_points_without_cycles_are_no_test_of_iso_9283(good):
 
     done = truepose("validate", good / "model.json", points, "--iso9283", "--json")
 
-    assert_one_sentence(done, "holds no pose that was visited again and again", "repeat_of")
+    assert_one_sentence(done, "has no repeatedly measured pose", "repeat_of")
 
 
 @pytest.mark.parametrize("option", ["--model-out", "--report"])

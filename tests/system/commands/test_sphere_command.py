@@ -77,7 +77,7 @@ def test_lengths_in_another_unit_are_refused_with_status_2(campaign, tmp_path):
     legs = replace(campaign.legs, length_mm=1e-3 * campaign.legs.length_mm)
     write_campaign(replace(campaign, legs=legs), tmp_path / "metres")
 
-    assert "other bars, or another unit" in " ".join(sphere(tmp_path / "metres", status=2).stderr.split())
+    assert "Check the ballbar and the unit" in " ".join(sphere(tmp_path / "metres", status=2).stderr.split())
 
 
 def test_two_models_of_one_name_are_refused(folder):

@@ -388,9 +388,9 @@ def test_predictions_carry_an_uncertainty_that_held_out_errors_agree_with():
 
 def test_unknown_effects_and_twice_the_same_parameter_are_refused():
     campaign = nominal_campaign()
-    with pytest.raises(UnknownEffectError, match="known are base"):
+    with pytest.raises(UnknownEffectError, match="available effects: base"):
         identify(campaign, ("base", "magic"))
-    with pytest.raises(ConfigurationError, match="leave one of the two out"):
+    with pytest.raises(ConfigurationError, match="Leave out one of the two effects"):
         identify(campaign, ("base", "geometry", "joint_offset"))
-    with pytest.raises(ConfigurationError, match="neither calibration points nor legs"):
+    with pytest.raises(ConfigurationError, match="no calibration points, ballbar lengths or contacts"):
         identify(Campaign(IRB_120, None, (Nest(NESTS[0]),)))

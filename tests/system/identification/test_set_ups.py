@@ -172,14 +172,14 @@ def test_poses_place_an_unknown_base_and_an_unknown_tool(tool):
 
 def test_an_effect_that_leaves_open_what_the_campaign_does_not_know_is_refused():
     campaign = nominal_campaign(40)
-    with pytest.raises(ConfigurationError, match="does not know the base: add `base`"):
+    with pytest.raises(ConfigurationError, match=r"does not give the base position\. Add `base`"):
         identify(replace(campaign, base_nominal=None), ("geometry",))
-    with pytest.raises(ConfigurationError, match="does not know nest 2: add `tool`"):
+    with pytest.raises(ConfigurationError, match=r"does not give the position of nest 2\. Add `tool`"):
         identify(replace(campaign, nests=(Nest(NESTS[0]), Nest(None), Nest(NESTS[2]))), ("base", "geometry"))
 
 
 def test_effects_that_find_nothing_unknown_are_refused():
-    with pytest.raises(ConfigurationError, match="Nothing is unknown that tool could say"):
+    with pytest.raises(ConfigurationError, match="The campaign leaves no parameters of tool unknown"):
         identify(nominal_campaign(40), ("tool",))
 
 

@@ -44,7 +44,7 @@ async def test_a_correction_is_proved_on_the_robot_that_it_was_made_for(client):
     assert proof["after"]["mean_mm"] < 0.06  # tracker 0.025, model 0.02
     assert abs(proof["foretold_share"] - 1.0) < 0.1
     assert calibration.status_code == 422
-    assert "no proof of this model" in calibration.json()["detail"]
+    assert "These readings cannot prove this model" in calibration.json()["detail"]
 
     page = (await client.get(f"/sessions/{proof_id}/result")).text
     for kind in ("before", "after", "before_relative", "after_relative"):

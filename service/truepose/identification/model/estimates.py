@@ -188,11 +188,11 @@ def check_stops(model: Model, stops: Stops) -> None:
     """
     if stops.joints_rad.shape[1] != model.robot.n_joints:
         raise ConfigurationError(
-            f"The model has {model.robot.n_joints} joints, the rows have {stops.joints_rad.shape[1]}."
+            f"The model has {model.robot.n_joints} joints, but the rows have {stops.joints_rad.shape[1]}."
         )
     if model.torques_measured and (stops.torque_n_mm is None or not np.isfinite(stops.torque_n_mm).all()):
         raise ConfigurationError(
-            "The model was identified with measured joint torques: give tau1_Nm.. of every row too."
+            "The model was identified with measured joint torques. Give tau1_Nm.. for every row as well."
         )
 
 

@@ -58,14 +58,15 @@ def require_same_robot(model: Model, robot: Robot) -> None:
     ours = model.robot
     if ours.n_joints != robot.n_joints:
         raise ConfigurationError(
-            f"The model has {ours.n_joints} joints, this robot {robot.n_joints}: the model is of another one."
+            f"The model has {ours.n_joints} joints, but this robot has {robot.n_joints}; the model is of a "
+            "different robot."
         )
     # Rows are named by where the tables differ most: a person looks there first.
     away = np.abs(ours.table - robot.table).max(axis=1)
     if away.max() > _SAME_ROW:
         raise ConfigurationError(
-            f"Row {int(np.argmax(away)) + 1} of the model's nominal table is not that of this cell's robot: "
-            "the model is of another robot, or the table was changed since."
+            f"Row {int(np.argmax(away)) + 1} of the model's nominal table differs from that of this cell's "
+            "robot: the model is of a different robot, or the table has been changed since."
         )
 
 

@@ -155,7 +155,7 @@ def contact_block(contacts: ContactReadings, scatter_mm: float, targets: tuple[T
     missing = sorted(set(contacts.target.tolist()) - set(numbers))
     if missing:
         raise ConfigurationError(
-            f"Target {missing[0]} was not among the contacts that the model was made from."
+            f"Target {missing[0]} is not among the contacts from which the model was identified."
         )
     index = np.array([numbers.index(number) for number in contacts.target.tolist()])
     # Where on it a target is touched differs from stop to stop: its form is noise, and none of the arm's.

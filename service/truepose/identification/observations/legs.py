@@ -222,8 +222,8 @@ def leg_block(legs: LegReadings, scatter_mm: float, anchors: tuple[tuple[int, in
     missing = sorted(set(legs.cups) - set(anchors))
     if missing:
         raise ConfigurationError(
-            f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs "
-            "that the model was made from."
+            f"Base point {missing[0][1]} of placement {missing[0][0]} is not among the ballbar lengths from "
+            "which the model was identified."
         )
     return LegBlock(
         targets=leg_targets(legs),

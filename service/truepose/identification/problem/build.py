@@ -111,8 +111,8 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     readings = campaign.readings
     if readings is None:
         raise ConfigurationError(
-            "The campaign has neither calibration points nor legs nor contacts: "
-            "give one of them under `files`."
+            "The campaign has no calibration points, ballbar lengths or contacts. Give one of them under "
+            "`files`."
         )
     _check(campaign, readings.stops, effects)
     # Positions are placed by a search over base and nests, lengths by one over what they are read against.
@@ -123,7 +123,8 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     )
     if not problem.structure.specs:
         raise ConfigurationError(
-            f"Nothing is unknown that {', '.join(effects)} could say: add effects, e.g. base,geometry."
+            f"The campaign leaves no parameters of {', '.join(effects)} unknown. Add effects, e.g. "
+            "base,geometry."
         )
     if with_reference or set(effects_with(Trait.ON_FIXED_NESTS)) & set(effects):
         problem = _with_reference(campaign, problem)
@@ -153,18 +154,20 @@ def _first_s(campaign: Campaign, stops: Stops) -> float:
 
 def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
     if campaign.identified_from == "calibration" and campaign.base_nominal is None and BASE not in effects:
-        raise ConfigurationError("The campaign does not know the base: add `base` to the effects.")
+        raise ConfigurationError("The campaign does not give the base position. Add `base` to the effects.")
     unknown = unknown_nests(campaign)
     if unknown and TOOL not in effects:
-        raise ConfigurationError(f"The campaign does not know nest {unknown[0]}: add `tool` to the effects.")
+        raise ConfigurationError(
+            f"The campaign does not give the position of nest {unknown[0]}. Add `tool` to the effects."
+        )
     # A gap in measured torques would wind up no spring in its row, and bend all others.
     springs = [name for name in effects_with(Trait.SPRINGS) if name in effects]
     if springs and torque_source(campaign) == "measured" and stops.torque_n_mm is not None:
         gaps = ~np.isfinite(stops.torque_n_mm).all(axis=1)
         if gaps.any():
             raise ConfigurationError(
-                f"Configuration {int(stops.config[gaps][0])} lacks a measured joint torque: give all of "
-                "tau1_Nm.., remove these columns, or leave `{springs[0]}` out of the effects."
+                f"Configuration {int(stops.config[gaps][0])} lacks a measured joint torque. Give all of "
+                f"tau1_Nm.., remove these columns, or leave `{springs[0]}` out of the effects."
             )
 
 
@@ -282,7 +285,7 @@ class JointPrior:
         # In units of the stated widths: there the stated prior is 1 along every direction.
         spread, turns = np.linalg.eigh(self.covariance / np.outer(widths, widths))
         if not np.all(np.isfinite(spread)) or spread[0] <= 0.0:
-            raise ConfigurationError("A belief has a covariance whose variances are all above 0.")
+            raise ConfigurationError("The covariance of the prior must be positive definite.")
         known, deviation = 1.0 / spread, turns.T @ ((self.mean - means) / widths)
         root = np.sqrt(np.maximum(known - 1.0, 0.0))
         told = np.divide(known * deviation, root, out=np.zeros_like(root), where=root > 0.0)

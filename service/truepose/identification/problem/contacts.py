@@ -318,8 +318,8 @@ def contact_structure(
     """
     if BASE in effects:
         raise ConfigurationError(
-            "Contacts with targets of unknown place do not see where the base stands: "
-            "leave `base` out of the effects."
+            "Contacts with targets at unknown positions cannot determine the base position. Leave `base` out "
+            "of the effects."
         )
     # Nobody can tell the world from the base: without a stated one they are the same.
     base = campaign.base_nominal or FramePlacement()

@@ -249,8 +249,8 @@ def leg_structure(
     """
     if BASE in effects:
         raise ConfigurationError(
-            "Legs between unknown base points do not see where the base stands: "
-            "leave `base` out of the effects."
+            "Ballbar lengths from unknown base points cannot determine the base position. Leave `base` out "
+            "of the effects."
         )
     anchors, index = leg_anchors(legs)
     known = known_placement(campaign)

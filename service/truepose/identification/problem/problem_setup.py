@@ -303,15 +303,15 @@ def _specs(effects: tuple[str, ...], setting: Setting) -> tuple[tuple[ParameterS
     for name in effects:
         if name in effects_with(Trait.SEARCHED):
             raise ConfigurationError(
-                f"Effect {name!r} has no parameters until it is found in the data: "
-                "leave it out of the effects, `diagnose` looks for it."
+                f"Effect {name!r} has no parameters until it is found in the data. Leave it out of the "
+                "effects; `diagnose` searches for it."
             )
         for spec in effect_named(name).specs(setting):
             # Two effects that move the same would share it at will, and names must tell parameters apart.
             if spec.name in {earlier.name for earlier in specs}:
                 raise ConfigurationError(
-                    f"Effect {name!r} brings the parameter {spec.name!r}, which another effect has already: "
-                    "leave one of the two out."
+                    f"Effect {name!r} has the parameter {spec.name!r}, which another effect already has. "
+                    "Leave out one of the two effects."
                 )
             specs.append(spec)
             owners.append(name)

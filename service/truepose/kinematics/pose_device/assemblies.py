@@ -107,9 +107,9 @@ def check_triangle(points_mm: FloatArray, what: str) -> None:
         They are not three finite points, or lie on a line.
     """
     if points_mm.shape != (3, 3) or not np.isfinite(points_mm).all():
-        raise ConfigurationError(f"The {what} are given as three rows of three finite numbers in mm.")
+        raise ConfigurationError(f"The {what} must be three rows of three finite numbers in mm.")
     if np.linalg.matrix_rank(points_mm[1:] - points_mm[0], tol=1e-6) < 2:
-        raise ConfigurationError(f"The three {what} are on a line; they must form a triangle.")
+        raise ConfigurationError(f"The three {what} lie on a line; they must form a triangle.")
 
 
 def measurable(
@@ -136,7 +136,9 @@ def measurable(
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
     flange = float(-nests_mm[0] @ normal)
     if abs(flange) < 1e-6 * float(normal @ normal) ** 0.75:  # the normal is an area: its power 3/2 a volume
-        raise ConfigurationError("The flange lies in the plane of the tool nests: no side is free for legs.")
+        raise ConfigurationError(
+            "The flange is in the plane of the tool nests, so neither side is free for the legs."
+        )
     return tuple(one for one in candidates if _reached_from_outside(one, cups_mm, normal * np.sign(flange)))
 
 

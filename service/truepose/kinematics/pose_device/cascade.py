@@ -77,7 +77,7 @@ def designs(base_points: int = 3) -> tuple[Design, ...]:
         There are fewer than three cups.
     """
     if base_points < 3:
-        raise ConfigurationError(f"The base fixture has {base_points} cups; three or more are needed.")
+        raise ConfigurationError(f"The base fixture has {base_points} cups; at least three are needed.")
     return tuple(
         Design((b1, b2, b3), (t1, t2, t3))
         for chosen in combinations(range(1, base_points + 1), 3)
@@ -121,7 +121,7 @@ def base_triangle(b12_mm: float, b23_mm: float, b31_mm: float) -> FloatArray:
     square = b31_mm**2 - x**2
     if not np.real(square) > 0.0:
         raise ConfigurationError(
-            f"No triangle has the sides {b12_mm:g}, {b23_mm:g} and {b31_mm:g} mm; measure the sides again."
+            f"No triangle has sides of {b12_mm:g}, {b23_mm:g} and {b31_mm:g} mm. Measure the sides again."
         )
     return np.array([[0.0, 0.0, 0.0], [b12_mm, 0.0, 0.0], [x, np.sqrt(square), 0.0]])
 
@@ -149,7 +149,8 @@ def fourth_cup(cups_mm: FloatArray, b14_mm: float, b24_mm: float, b34_mm: float)
     cup = tri(cups_mm[0], cups_mm[1], cups_mm[2], b14_mm, b24_mm, b34_mm, -1.0)
     if not np.isfinite(cup).all():
         raise ConfigurationError(
-            f"No cup is {b14_mm:g}, {b24_mm:g} and {b34_mm:g} mm from cups 1, 2 and 3; measure them again."
+            f"No cup can be {b14_mm:g}, {b24_mm:g} and {b34_mm:g} mm from cups 1, 2 and 3. Measure these "
+            "distances again."
         )
     return cup
 
@@ -223,9 +224,13 @@ def solve(
     """
     lengths = np.asarray(length_mm)
     if lengths.shape[-1:] != (6,):
-        raise ConfigurationError(f"A design has six legs; lengths of shape {lengths.shape} were given.")
+        raise ConfigurationError(
+            f"A design needs six leg lengths; an array of shape {lengths.shape} was given."
+        )
     if max(design.base) > len(cups_mm):
-        raise ConfigurationError(f"The design uses cup {max(design.base)} of {len(cups_mm)}.")
+        raise ConfigurationError(
+            f"The design uses cup {max(design.base)}, but only {len(cups_mm)} cups were given."
+        )
     # In the pattern's own order: every design is solved as the pattern is.
     b1, b2, b3 = (cups_mm[cup - 1] for cup in design.base)
     # The normal of the pattern's own numbering turns round where the cups are permuted oddly.
@@ -285,7 +290,8 @@ def solution_gradient(design: Design, cups_mm: FloatArray, points_mm: FloatArray
         g3 = _gradient(t3, [cups[1], t2, t1], [moved[1], g2, g1], identity[[11, t23, t31]])
     except np.linalg.LinAlgError as error:
         raise UnderdeterminedError(
-            "A tool nest lies in the plane of the three points that hold it: its height cannot be seen."
+            "A tool nest is in the plane of the three points that locate it, so its height cannot be "
+            "determined."
         ) from error
     gradient = np.empty((*points_mm.shape[:-2], 3, 3, 12))
     for nest, own in zip(design.tool, (g1, g2, g3), strict=True):

@@ -134,7 +134,7 @@ _LOST_MM = 1e4  # a step of ten metres: the start led nowhere
 _AS_TRAVEL_MM = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])  # turns as travel at the end of 100 mm
 _CLEAR = 20.0  # difference of chi-squared that decides between two poses: odds of 1 to 22,000
 _FREE = (
-    "The legs leave the tool free to move at this pose, so its place cannot be computed; measure another "
+    "The legs leave the tool free to move at this pose, so its position cannot be computed. Measure another "
     "leg, or skip the pose."
 )
 
@@ -197,10 +197,12 @@ def least_squares_pose(
         return _nearest(found, commanded, fixtures, legs, covariance_mm2)
     above = [one for one in found if _is_above(one.pose, fixtures, legs)]
     if not above:
-        raise ConfigurationError("The only poses with these lengths are below the cups; check the labels.")
+        raise ConfigurationError(
+            "The only poses with these lengths are below the cups. Check the labels of cups and nests."
+        )
     if len(above) > 1 and above[1].chi2 - above[0].chi2 < _CLEAR:
         raise ConfigurationError(
-            f"These {len(legs)} legs fit {len(above)} poses; say which one the robot was commanded to."
+            f"These {len(legs)} legs fit {len(above)} poses. Give the pose to which the robot was commanded."
         )
     return above[0]
 
@@ -227,7 +229,7 @@ def _nearest(
     nearest, *others = (one.pose for one in rivals)
     if others and not is_clearly_nearer(nearest, others[0], commanded, fixtures.nests_mm):
         raise ConfigurationError(
-            "Two poses next to the commanded one have these lengths; measure another leg, or skip the pose."
+            "Two poses close to the commanded one have these lengths. Measure another leg, or skip the pose."
         )
     return rivals[0]
 
@@ -248,7 +250,7 @@ def fitting_poses(
     starts = starting_poses(fixtures.cups_mm, fixtures.nests_mm, legs, length_mm)
     if not starts:
         raise ConfigurationError(
-            "No pose has these lengths: legs do not meet, or just touch in a plane; measure them again."
+            "No pose has these lengths: the legs do not meet, or just touch in a plane. Measure them again."
         )
     # All starts, and not only the best one: of six legs all solutions fit exactly, and which start leads to
     # the wanted one is known only behind the fit.
@@ -265,19 +267,23 @@ def fitting_poses(
 def _check(fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covariance: FloatArray) -> None:
     cups = len(fixtures.cups_mm)
     if cups < 3 or fixtures.cups_mm.shape != (cups, 3) or fixtures.nests_mm.shape != (3, 3):
-        raise ConfigurationError("Three or more cups and exactly three nests are needed, each x, y, z in mm.")
+        raise ConfigurationError(
+            "At least three cups and exactly three nests are needed, each as x, y, z in mm."
+        )
     for cup, nest in legs:
         if not (1 <= cup <= cups and 1 <= nest <= 3):
-            raise ConfigurationError(f"Leg B{cup} T{nest} joins points that the fixtures do not have.")
+            raise ConfigurationError(f"Leg B{cup} T{nest} connects points that the fixtures do not have.")
     if len(set(legs)) < 6:
-        raise UnderdeterminedError(f"{len(set(legs))} different legs were given; a pose needs six.")
+        raise UnderdeterminedError(f"{len(set(legs))} different legs were given; a pose needs at least six.")
     # Told before anything is solved: such legs have solutions, but a whole row of them.
     if any(_swings(Counter(points)) for points in zip(*set(legs), strict=True)):
         raise UnderdeterminedError(_FREE)
     if length_mm.shape != (len(legs),) or covariance.shape != (len(legs), len(legs)):
-        raise ConfigurationError(f"{len(legs)} legs need as many lengths and a covariance of that size.")
+        raise ConfigurationError(
+            f"{len(legs)} legs need the same number of lengths and a covariance of that size."
+        )
     if not (np.isfinite(length_mm).all() and (length_mm > 0.0).all() and np.isfinite(covariance).all()):
-        raise ConfigurationError("Every leg needs a finite length above 0 mm and a finite covariance.")
+        raise ConfigurationError("Every leg needs a finite length greater than 0 mm and a finite covariance.")
 
 
 def _swings(legs_at: Counter[int]) -> bool:
@@ -324,7 +330,8 @@ def _factor(covariance: FloatArray) -> tuple[FloatArray, bool]:
         factor, lower = cho_factor(covariance)
     except np.linalg.LinAlgError as error:
         raise ConfigurationError(
-            "The covariance of the lengths is not positive: give each an uncertainty above 0 mm."
+            "The covariance of the lengths is not positive definite. Give each length an uncertainty greater "
+            "than 0 mm."
         ) from error
     return np.asarray(factor, dtype=float), bool(lower)
 

@@ -114,7 +114,9 @@ def base_fixture(number: int, frame: FramePlacement, points: int = 3, side_mm: f
     if points not in {3, 4}:
         raise ConfigurationError(f"A base fixture has 3 or 4 cups, not {points}.")
     if not 0.0 < side_mm < np.inf:
-        raise ConfigurationError(f"The cups cannot be {side_mm:g} mm apart; give a length above 0.")
+        raise ConfigurationError(
+            f"The distance between the cups must be greater than 0 mm (got {side_mm:g} mm)."
+        )
     height = np.sqrt(3.0) / 2.0
     unit = np.array([
         [0.0, 0.0, 0.0],
@@ -194,16 +196,18 @@ class BallbarCell:
 
     def __post_init__(self) -> None:
         if self.nests_mm.shape != (3, 3) or not np.all(np.isfinite(self.nests_mm)):
-            raise ConfigurationError("A ballbar pose needs three tool nests with known centres; enter them.")
+            raise ConfigurationError("A ballbar pose needs three tool nests with known centres. Enter them.")
         if len(self.ranges) != self.robot.n_joints:
             raise ConfigurationError(
-                f"{len(self.ranges)} joint ranges are given for {self.robot.n_joints} joints."
+                f"{len(self.ranges)} joint ranges were given for {self.robot.n_joints} joints. Give one "
+                "per joint."
             )
         if not self.link_radii_mm:
             object.__setattr__(self, "link_radii_mm", table_arm_radii_mm(self.robot.n_joints))
         if len(self.link_radii_mm) != self.robot.n_joints + 1:
             raise ConfigurationError(
-                f"{len(self.link_radii_mm)} radii are given for the base and {self.robot.n_joints} links."
+                f"{len(self.link_radii_mm)} radii were given for the base and {self.robot.n_joints} links. "
+                "Give one for each."
             )
 
 

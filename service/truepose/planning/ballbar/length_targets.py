@@ -52,7 +52,7 @@ def coded_lengths(n_legs: int, turn: int = 0) -> tuple[float, ...]:
         There is no leg.
     """
     if n_legs < 1:
-        raise ConfigurationError(f"{n_legs} legs cannot be coded; a pose has at least one.")
+        raise ConfigurationError(f"A pose needs at least one ballbar length to code (got {n_legs}).")
     if n_legs == 1:
         return (0.0,)
     spacing = 2.0 * SPAN_MM / (n_legs - 1)
@@ -115,7 +115,9 @@ def aim_joints(
     for _ in range(_PASSES):
         now, jacobian = _linearised(lengths, joints)
         if now.shape != wanted.shape:
-            raise ConfigurationError(f"{wanted.size} lengths are wanted of {now.size} legs.")
+            raise ConfigurationError(
+                f"{wanted.size} target lengths were given for {now.size} ballbar lengths."
+            )
         side = _same_side(jacobian, side)
         if np.max(np.abs(wanted - now)) < _MET_MM:
             return _within(joints, ranges)
@@ -123,12 +125,13 @@ def aim_joints(
         joints = joints + step
         if np.max(np.abs(joints - start)) > _FARTHEST_RAD:
             raise AimError(
-                f"Joint {int(np.argmax(np.abs(joints - start))) + 1} would have to turn by more than "
-                f"{np.degrees(_FARTHEST_RAD):.0f} deg to give the legs these lengths: aim the pose at others."
+                f"Joint {int(np.argmax(np.abs(joints - start))) + 1} would have to move by more than "
+                f"{np.degrees(_FARTHEST_RAD):.0f} deg to reach these ballbar lengths. Choose other target "
+                "lengths."
             )
     raise AimError(
-        "No joints near the pose give the legs these lengths: "
-        f"{np.max(np.abs(wanted - now)):.3f} mm are left."
+        "No joint angles near this pose reach the target ballbar lengths: an error of "
+        f"{np.max(np.abs(wanted - now)):.3f} mm remains."
     )
 
 
@@ -137,7 +140,9 @@ def _linearised(lengths: Lengths, joints: FloatArray) -> tuple[FloatArray, Float
     steps = _DIFFERENCE_RAD * np.eye(len(joints))
     found = np.asarray(lengths(np.concatenate([joints[None], joints + steps, joints - steps])))
     if not np.all(np.isfinite(found)):
-        raise AimError("The model gives no lengths at this pose; check the joints and the cups it knows.")
+        raise AimError(
+            "The model gives no ballbar lengths at this pose. Check the joint angles and its cups."
+        )
     plus, minus = np.split(found[1:], 2)
     return found[0], np.asarray((plus - minus).T / (2 * _DIFFERENCE_RAD))
 
@@ -147,14 +152,18 @@ def _same_side(jacobian: FloatArray, before: float) -> float:
     values = np.linalg.svd(jacobian, compute_uv=False)
     if values[-1] < _FLATTEST * values[0]:
         raise AimError(
-            "The arm or the legs are singular at this pose: their lengths cannot be set one by one."
+            "The arm or the ballbar arrangement is singular at this pose, so its lengths cannot be set "
+            "independently."
         )
     rows, columns = jacobian.shape
     # Between two passes the arm may step over a singularity without standing in it; the determinant then
     # changes sign.
     side = float(np.sign(np.linalg.det(jacobian))) if rows == columns else 0.0
     if side * before < 0.0:
-        raise AimError("The arm would pass a singularity to give the legs these lengths: aim at others.")
+        raise AimError(
+            "The arm would have to pass through a singularity to reach these ballbar lengths. Choose other "
+            "target lengths."
+        )
     return side
 
 
@@ -162,7 +171,7 @@ def _within(joints: FloatArray, ranges: tuple[JointRange, ...] | None) -> FloatA
     for number, (angle, limit) in enumerate(zip(joints, ranges or (), strict=False), start=1):
         if not limit.lower_rad <= angle <= limit.upper_rad:
             raise AimError(
-                f"Joint {number} would have to turn to {np.degrees(angle):.2f} deg, out of its range "
+                f"Joint {number} would have to move to {np.degrees(angle):.2f} deg, outside its range "
                 f"({np.degrees(limit.lower_rad):g} to {np.degrees(limit.upper_rad):g} deg)."
             )
     return joints
@@ -209,7 +218,7 @@ def aimed_pose(
         else:
             return replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=wanted)
     # Of the code that was wanted first; the others were makeshifts.
-    raise AimError(f"Configuration {pose.config} cannot be aimed at coded lengths. {refusals[0]}")
+    raise AimError(f"Configuration {pose.config} cannot be given coded ballbar lengths. {refusals[0]}")
 
 
 # An aim moves the tool by a millimetre or two, and so far the cups may be from where they were planned.
@@ -279,7 +288,8 @@ def aimed_again(
         found = _tour_clear_of(after, around, joints, ends, begin, seed)
     ordered = tuple(replace(new[row], via_rad=via) for row, via in zip(found.order, found.vias, strict=True))
     missed = (
-        f"No clear way leads to configuration {new[row].config}: it is left out." for row in found.missed
+        f"No collision-free path to configuration {new[row].config} was found; it is left out."
+        for row in found.missed
     )
     return AimedAgain(ordered, (*(said for _, said in aims if said is not None), *missed))
 
@@ -340,6 +350,6 @@ def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tup
     try:
         joints = aim_joints(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)
     except AimError:
-        return replace(pose, aimed_mm=None), f"{sentence} It stays where it was planned."
+        return replace(pose, aimed_mm=None), f"{sentence} It stays as planned."
     plain = replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=None)
-    return plain, f"{sentence} It is aimed at lengths that are all nominal."
+    return plain, f"{sentence} Its ballbar lengths are all set to nominal."

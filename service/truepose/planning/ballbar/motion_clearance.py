@@ -69,8 +69,8 @@ def lift(around: Surroundings, stop: Stop) -> list[FloatArray]:
         if lifted is not None and _lifts_clear(around, stop, lifted):
             return [stop.joints_rad, lifted]
     raise NoWayError(
-        f"The tool cannot leave base point {stop.base_point} of placement {around.fixture.number} along the "
-        "cup's axis: place the base fixture elsewhere."
+        f"The tool cannot retract from base point {stop.base_point} of placement {around.fixture.number} "
+        "along the cup axis. Move the base fixture."
     )
 
 

@@ -70,7 +70,8 @@ def way(
             points = [*leaving[1:], *inner, *arriving[:0:-1]]
             return tuple(tuple(float(q) for q in point) for point in points)
     raise NoWayError(
-        "No clear way was found between two stops: move the base fixture away from the arm, or leave one out."
+        "No collision-free path between two configurations was found. Move the base fixture away from the "
+        "arm, or leave out one of them."
     )
 
 
@@ -310,8 +311,8 @@ def away(around: Surroundings, held: Stop, poses_rad: FloatArray, rng: np.random
             if via is not None:
                 return PlannedAway(tuple(float(q) for q in joints), via)
     raise NoWayError(
-        f"From base point {held.base_point} of placement {around.fixture.number} the arm cannot back off so "
-        f"far that {ROOMS_MM[-1]:g} mm are free about the cups: place the base fixture elsewhere."
+        f"The arm cannot retract from base point {held.base_point} of placement {around.fixture.number} far "
+        f"enough to leave {ROOMS_MM[-1]:g} mm of clearance around the cups. Move the base fixture."
     )
 
 

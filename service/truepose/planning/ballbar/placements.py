@@ -81,8 +81,8 @@ class PlacementRequest:
     def __post_init__(self) -> None:
         if self.placements < 1 or self.poses < self.placements:
             raise ConfigurationError(
-                f"{self.placements} placements with {self.poses} poses are no session; ask for one pose per "
-                "placement or more."
+                f"A session needs at least one placement, and one pose per placement (got {self.placements} "
+                f"placements and {self.poses} poses)."
             )
 
 
@@ -169,9 +169,9 @@ class _Search:
         """Say that no place offers what is asked for, and how much the best one does."""
         most = max((len(own) for own in places), default=0)
         return (
-            f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations be "
-            f"measured with the ballbar; the best offers {most}: ask for fewer or for more placements, or "
-            f"widen the joint ranges.{look_at(self.model.cell.keep_outs)}"
+            f"None of the {self.wish.draws} base fixture positions tried allows {self.fewest} configurations "
+            f"to be measured with the ballbar; the best allows {most}. Request fewer configurations or more "
+            f"placements, or widen the joint ranges.{look_at(self.model.cell.keep_outs)}"
         )
 
     def holds_ball(self, own: Candidates) -> bool:
@@ -194,8 +194,8 @@ class _Search:
         starts = [start for start in each if start is not None]
         if not starts:
             raise TooFewCandidatesError(
-                "From none of the places that were tried can the arm hold the setting ball at every cup: "
-                "widen the joint ranges."
+                "At none of the base fixture positions tried can the arm hold the setting ball at every cup. "
+                "Widen the joint ranges."
             )
         return min((self.refined(start, rng) for start in starts), key=self.error_mm)
 

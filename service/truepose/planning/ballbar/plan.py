@@ -91,7 +91,7 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
     centres = [nest.centre_mm for nest in cell.nests if nest.centre_mm is not None]
     if len(centres) != 3 or len(cell.nests) != 3:
         raise ConfigurationError(
-            "A ballbar session needs a tool with three nests whose centres are known: enter them in the "
+            "A ballbar session needs a tool with three nests whose centres are known. Enter them in the "
             "cell file."
         )
     check_triangle(np.array(centres), "tool nests")
@@ -99,8 +99,7 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
     ranges = limits.calibration or robot.calibration_ranges or limits.joints or robot.joint_limits
     if ranges is None:
         raise WorkSpaceError(
-            f"Nothing says how far the joints of {robot.name} may turn: enter `calibration` ranges in the "
-            "cell file."
+            f"The joint ranges of {robot.name} are not known. Enter `calibration` ranges in the cell file."
         )
     leg = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
     return BallbarCell(
@@ -164,8 +163,8 @@ def plan_at(
     for own, rows in zip(offers, chosen, strict=True):
         if not len(rows):
             raise TooFewCandidatesError(
-                f"Of {poses} poses none is best measured from placement {own.fixture.number}: ask for more "
-                "poses, or for fewer placements of the base fixture."
+                f"None of the {poses} poses is best measured from placement {own.fixture.number}. Request "
+                "more poses, or fewer placements of the base fixture."
             )
     return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
 
@@ -276,8 +275,8 @@ class _Session:
         """Refuse a placement that no way leads through, or that leaves the arm where the next one comes."""
         if not found.order:
             raise NoWayError(
-                f"No clear way leads from the set-ups of placement {fixture.number} to any pose: move the "
-                "base fixture a little, or let the program suggest a place."
+                f"No collision-free path from the set-ups of placement {fixture.number} to any pose was "
+                "found. Move the base fixture slightly, or let the program suggest a position."
             )
         if after is not None and not is_clear(self.cell, after, joints[list(found.order[-1:])]).all():
             raise ArmInTheWayError(after.number)

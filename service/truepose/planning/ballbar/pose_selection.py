@@ -197,8 +197,8 @@ def require_candidates(placements: Sequence[Candidates]) -> None:
     for own in placements:
         if not len(own):
             raise TooFewCandidatesError(
-                f"No configuration can be measured from placement {own.fixture.number}: place the base "
-                "fixture elsewhere, or let the program suggest a place."
+                f"No configuration can be measured from placement {own.fixture.number}. Move the base "
+                "fixture, or let the program suggest a position."
             )
 
 

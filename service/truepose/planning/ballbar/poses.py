@@ -118,10 +118,10 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
     # Arm and tool first: where they are not clear no bar needs to be looked at.
     bodies = bodies_at(cell, fixture, joints)
     clear = arm_room_mm(bodies) >= cell.arm_room_mm
-    refused["arm or tool too close to something"] = int((~clear).sum())
+    refused["insufficient clearance of arm or tool"] = int((~clear).sum())
     joints, index = joints[clear], index[clear]
     free = _bars_free(cell, fixture, joints, [tried[row // BRANCHES_PER_POSE] for row in index])
-    refused["a leg has no room"] = int((~free).sum())
+    refused["insufficient clearance of the ballbar"] = int((~free).sum())
     joints, index = joints[free], index[free]
     return ReachablePoses(
         joints,
@@ -297,8 +297,8 @@ def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
         joints = setup_joints(cell, fixture, point)
         if joints is None:
             raise WorkSpaceError(
-                f"The arm cannot hold the setting ball at base point {point} of placement {fixture.number}: "
-                "place the base fixture nearer to the middle of its workspace."
+                f"The arm cannot hold the setting ball at base point {point} of placement {fixture.number}. "
+                "Move the base fixture closer to the middle of the arm's workspace."
             )
         found.append(PlannedSetup(point, tuple(float(q) for q in joints)))
     return tuple(found)

@@ -94,8 +94,8 @@ def plan_sphere(
     held = setup_joints(cell, fixture, BALL_CUP)
     if held is None:
         raise WorkSpaceError(
-            "The arm cannot hold the setting ball at base point 1: place the base fixture nearer to the "
-            "middle of its workspace."
+            "The arm cannot hold the setting ball at base point 1. Move the base fixture closer to the "
+            "middle of the arm's workspace."
         )
     around, rng = Surroundings(cell, fixture), np.random.default_rng(seed)
     search = _Search(around, held, wish, rng)
@@ -108,7 +108,9 @@ def _require_nests(cell: BallbarCell, nests: Sequence[int]) -> None:
     known = range(1, len(cell.nests_mm) + 1)
     unknown = [nest for nest in nests if nest not in known]
     if unknown or not nests or len(set(nests)) < len(nests):
-        raise ConfigurationError(f"A sphere test takes each of its tool nests once, out of 1 to {known[-1]}.")
+        raise ConfigurationError(
+            f"Choose the tool nests of a sphere test from 1 to {known[-1]}, each only once."
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,8 +142,8 @@ class _Search:
             found += self._usable(joints[row == direction])
         if len(found) < _FEWEST:
             raise TooFewCandidatesError(
-                f"The arm can hold nest {nest} a bar's length from the ball at {len(found)} stops; {_FEWEST} "
-                "are needed: place the base fixture elsewhere, or turn it."
+                f"The arm can hold nest {nest} at ballbar length from the ball in only {len(found)} "
+                f"configurations; {_FEWEST} are needed. Move or rotate the base fixture."
             )
         return np.array(found)
 
@@ -263,8 +265,8 @@ def _planned(
     for number in nests:
         if np.count_nonzero(nest[list(ways.order)] == number) < _FEWEST:
             raise TooFewCandidatesError(
-                f"No clear way leads to enough stops of nest {number} on the sphere: place the base fixture "
-                "elsewhere, or turn it."
+                f"No collision-free path to enough configurations of nest {number} on the sphere was found. "
+                "Move or rotate the base fixture."
             )
     fixture = around.fixture
     setup = PlannedSetup(BALL_CUP, _row(held.joints_rad), tuple(map(_row, lift(around, held)[:0:-1])))

@@ -66,12 +66,12 @@ class LoopPlanRequest:
 
     def __post_init__(self) -> None:
         if not self.targets:
-            raise ConfigurationError("A closed loop needs at least one target.")
+            raise ConfigurationError("A closed-loop plan needs at least one target.")
         for target in self.targets:
             if target.place_mm is None:
                 raise ConfigurationError(
-                    f"Target {target.number} has no place: a plan needs to know roughly where it stands "
-                    "(x_mm, y_mm, z_mm)."
+                    f"Target {target.number} has no position. Give its approximate position (x_mm, y_mm, "
+                    "z_mm)."
                 )
 
     @property
@@ -124,7 +124,7 @@ def draw_stands(space: WorkSpace, wish: LoopPlanRequest, n: int, rng: np.random.
     """
     if not wish.nests or not set(wish.nests) <= set(range(1, len(space.nests) + 1)):
         raise ConfigurationError(
-            f"A closed loop needs at least one tool nest, each of 1 to {len(space.nests)}."
+            f"A closed-loop plan needs at least one tool nest. Choose from 1 to {len(space.nests)}."
         )
     pairs = [(nest, group) for group in range(len(wish.groups)) for nest in wish.nests]
     each = -(-n // len(pairs))
@@ -145,8 +145,9 @@ def _stops(
         if batch == _HOPELESS and not found:
             break
     raise TooFewCandidatesError(
-        f"Nest {nest} comes to target {group[0].number} in {found} of {_BATCH * batch} tries, "
-        f"{n} are needed: check its place, the joint ranges and the table's height.{look_at(space.keep_outs)}"
+        f"Nest {nest} reaches target {group[0].number} in {found} of {_BATCH * batch} random configurations; "
+        f"{n} are needed. Check the target position, the joint ranges and the table height."
+        f"{look_at(space.keep_outs)}"
     )
 
 

@@ -75,8 +75,8 @@ def hub_of(
     reached = [int(clear_from(space, bodies, wish, hub, some).sum()) for hub in tried]
     if not reached or max(reached) == 0:
         raise NoWayError(
-            "From no place that was tried a clear way leads to the targets: put them elsewhere, or take "
-            "another seed."
+            "No collision-free path to the targets was found from any of the positions tried. Move the "
+            "targets, or use another seed."
         )
     best: FloatArray = tried[int(np.argmax(reached))]
     return best
@@ -290,8 +290,9 @@ def _enough(wish: ContactPlanRequest, found: ReachablePoses) -> ReachablePoses:
     """Return what was found; raises TooFewCandidatesError where it is less than twice the stops."""
     if len(found.way_rad) < 2 * wish.stops:
         raise TooFewCandidatesError(
-            f"The arm reaches its targets in {len(found.way_rad)} of the ways that were tried, and "
-            f"{wish.stops} stops are to be chosen among twice as many: put the targets nearer, or elsewhere."
+            f"The arm reaches the targets on only {len(found.way_rad)} of the paths tried; choosing "
+            f"{wish.stops} configurations needs twice as many. Move the targets, for example closer to the "
+            "arm."
         )
     return found
 

@@ -100,8 +100,8 @@ def mean_normal(targets: Sequence[Target]) -> FloatArray:
     # Divided by its size, a mean that is rounding alone would point anywhere.
     if size < _CANCELLED:
         raise WorkSpaceError(
-            "The targets that are read together have normals that cancel each other: nothing says from where "
-            "the tool comes. Give one of them another normal."
+            "The normals of the targets that are read together cancel each other, so the tool has no "
+            "direction of approach. Give one of them another normal."
         )
     return np.asarray(mean / size)
 
@@ -132,39 +132,44 @@ def require_sense(cell: Cell, wish: ContactPlanRequest) -> None:
         the clearance is no longer than the stroke; the nest is none of the tool's.
     """
     if not wish.targets:
-        raise WorkSpaceError("There is no target to measure; give one at least.")
+        raise WorkSpaceError("There is no target to measure. Give at least one.")
     for target in wish.targets:
         _require_target(wish, target)
     if wish.loop == "sensor" and len(wish.targets) != 1:
-        raise WorkSpaceError("A sensor sees one ball; give one target.")
-    _require_length(wish.axis, "The axis of the tool")
+        raise WorkSpaceError("A sensor measures one ball. Give exactly one target.")
+    _require_length(wish.axis, "The tool axis")
     _require_distances(wish)
     if not 0.0 <= wish.margin_mm < 0.5 * wish.stroke_mm:
         raise WorkSpaceError("The margin must be less than half the stroke.")
     # Wires hang on the tool all the way: nothing begins at a clearance.
     if wish.loop != "wires" and not wish.clearance_mm > wish.stroke_mm:
         raise WorkSpaceError(
-            "The clearance must be longer than the stroke: it is from where nothing is near that the tool "
-            "comes in."
+            "The clearance must be greater than the stroke: the approach starts at this distance from the "
+            "target."
         )
     if not 1 <= wish.nest <= len(cell.nests) or cell.nests[wish.nest - 1].centre_mm is None:
-        raise WorkSpaceError(f"The cell has no tool nest {wish.nest} with a centre.")
+        raise WorkSpaceError(f"The cell has no tool nest {wish.nest} with a known centre.")
 
 
 def _require_target(wish: ContactPlanRequest, target: Target) -> None:
     if target.kind not in _READS[wish.loop]:
         raise WorkSpaceError(
-            f"Target {target.number} is a {target.kind.value}, and what reads target 1 does not read that."
+            f"Target {target.number} is a {target.kind.value}; the instrument that reads target 1 cannot "
+            "read it."
         )
     if target.place_mm is None:
-        raise WorkSpaceError(f"Target {target.number} has no place; say about where it will be bolted.")
+        raise WorkSpaceError(
+            f"Target {target.number} has no position. Give its approximate mounting position."
+        )
     if target.kind in _WITH_ZERO and target.zero_mm is None:
-        raise WorkSpaceError(f"Target {target.number} has no zero_mm; say about how far off it reads 0.")
+        raise WorkSpaceError(
+            f"Target {target.number} has no zero_mm. Give the approximate distance at which it reads 0."
+        )
     # Of a wire 0 is a length like any other: it reads from where it leaves its drum.
     if target.kind is TargetKind.SPHERE and not (target.zero_mm or 0.0) > 0.0:
         raise WorkSpaceError(
-            f"Target {target.number} reads 0 at its own centre, which nothing touches: give as zero_mm the "
-            "radius of sphere and tip together."
+            f"zero_mm of target {target.number} must be greater than 0. Give the sum of the sphere radius "
+            "and the tip radius."
         )
     if target.normal is not None:
         _require_length(target.normal, f"The normal of target {target.number}")
@@ -172,7 +177,7 @@ def _require_target(wish: ContactPlanRequest, target: Target) -> None:
 
 def _require_length(direction: Vector, what: str) -> None:
     if not np.linalg.norm(direction) > _LEAST_LENGTH:
-        raise WorkSpaceError(f"{what} has no length; a direction needs one.")
+        raise WorkSpaceError(f"{what} must not be a zero vector.")
 
 
 def _require_distances(wish: ContactPlanRequest) -> None:
@@ -180,5 +185,5 @@ def _require_distances(wish: ContactPlanRequest) -> None:
     for distance in wish.distances:
         if not set(distance.targets) <= centres or len(set(distance.targets)) < len(distance.targets):
             raise WorkSpaceError(
-                "A certified distance joins the centres of two different targets of the list."
+                "A certified distance must connect the centres of two different targets in the list."
             )

@@ -163,8 +163,8 @@ def plan_with_fixtures(
     choice = _choice(model, fixtures, weighed, max(MOST, n or 0))
     if n is not None and n > len(choice.rows):
         raise TooFewCandidatesError(
-            f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
-            f"for fewer, or for more placements of the base fixture.{look_at(limits.keep_outs)}"
+            f"{n} poses were requested, but only {len(choice.rows)} can be measured from these placements. "
+            f"Request fewer poses, or more placements of the base fixture.{look_at(limits.keep_outs)}"
         )
     numbers = sizes(n, len(choice.rows))
     places = _places(cell, volume or WorkVolume(), model, rng)
@@ -203,7 +203,9 @@ def session_plan(cell: Cell, plan: PromisedPlan) -> BallbarPlan:
         The arm cannot hold the setting ball at a cup.
     """
     if plan.poses is None:
-        raise ConfigurationError("The plan is of positions; no ballbar session measures them.")
+        raise ConfigurationError(
+            "The plan is for position measurements; a ballbar session cannot measure them."
+        )
     limits, poses = ballbar_cell(cell), plan.poses
     return BallbarPlan(
         tuple(

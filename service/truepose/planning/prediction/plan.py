@@ -92,7 +92,7 @@ def require_some(n: int | None) -> None:
         n is below 1.
     """
     if n is not None and n < 1:
-        raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
+        raise ConfigurationError(f"The number of configurations must be at least 1 (got {n}).")
 
 
 def indices(rows: FloatArray, configurations: int) -> dict[str, float]:
@@ -199,8 +199,8 @@ def sample(space: WorkSpace, volume: WorkVolume, n: int, rng: np.random.Generato
             break
     if not found:
         raise WorkSpaceError(
-            f"None of {_BATCH * _MOST_BATCHES} random configurations has a tool nest in the work volume: "
-            "check its box, its joint ranges and the table's height."
+            f"None of {_BATCH * _MOST_BATCHES} random configurations has a tool nest in the work volume. "
+            "Check its box, its joint ranges and the table height."
             f"{look_at(space.keep_outs)}"
         )
     # n configurations, not n places: a configuration counts with every nest that it brings into the

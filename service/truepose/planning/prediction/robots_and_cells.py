@@ -80,8 +80,8 @@ def of_cell(cell: Cell) -> Subject:
     limits = cell.limits.joints or cell.robot.joint_limits
     if limits is None:
         raise ConfigurationError(
-            f"Neither the cell nor {cell.robot.name} says how far the joints turn; enter `calibration_deg` "
-            "under [limits] of the cell file, or `joint_limits_deg` in the robot file."
+            f"Joint limits are missing for both the cell and {cell.robot.name}. Enter `calibration_deg` "
+            "under [limits] in the cell file, or `joint_limits_deg` in the robot file."
         )
     once_round = tuple(JointRange(max(one.lower_rad, -np.pi), min(one.upper_rad, np.pi)) for one in limits)
     return Subject(space_of_cell(cell, once_round, APPROACH_RAD), knowns)
@@ -123,7 +123,8 @@ def of_campaign(campaign: Campaign, model: Model) -> Subject:
     points = campaign.calibration
     if points is None:
         raise ConfigurationError(
-            "The campaign has no positions to go on from; plan a ballbar session from the cell file."
+            "The campaign has no position measurements to build on. Plan a ballbar session from the cell "
+            "file."
         )
     measured = ExistingReadings(points.stops.joints_rad, points.nest, len(np.unique(sites(points.stops))))
     return Subject(_space(campaign, points, model), _knowns(campaign, points, model), measured)

@@ -105,14 +105,14 @@ def promised_session(
     drawn = _drawn(space, max(n or 0, n_candidates), rng, one_sided=one_sided)
     if not len(drawn):
         raise TooFewCandidatesError(
-            f"Of {n_candidates} configurations that can be measured none leaves arm and tool room: check the "
-            f"floor and the centres of the tool nests.{look_at(space.keep_outs)}"
+            f"None of the {n_candidates} measurable configurations leaves enough clearance for arm and tool. "
+            f"Check the floor and the centres of the tool nests.{look_at(space.keep_outs)}"
         )
     choice = _Choice(space, drawn, knowns, measured)
     if n is not None and n > choice.offered:
         raise TooFewCandidatesError(
-            f"{n} configurations were asked for, and of {n_candidates} that can be measured {choice.offered} "
-            f"leave the arm room: ask for fewer.{look_at(space.keep_outs)}"
+            f"{n} configurations were requested, but only {choice.offered} of {n_candidates} measurable ones "
+            f"leave enough clearance for the arm. Request fewer.{look_at(space.keep_outs)}"
         )
     before = measured.configurations
     numbers = sizes(None if n is None else before + n, before + choice.offered, before)
@@ -173,7 +173,7 @@ def session_plan(plan: PromisedPlan) -> SessionPlan:
         The plan is of ballbar lengths.
     """
     if plan.nest is None:
-        raise ConfigurationError("The plan is of ballbar lengths; no tracker session measures them.")
+        raise ConfigurationError("The plan is for ballbar lengths; a tracker session cannot measure them.")
     nests = plan.nest.tolist()
     rows = enumerate(zip(plan.joints_rad.tolist(), nests, strict=True), start=plan.measured + 1)
     stops = tuple(PlannedStop(config, tuple(joints), nest) for config, (joints, nest) in rows)

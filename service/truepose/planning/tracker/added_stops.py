@@ -96,7 +96,7 @@ def addition(
     left_out = tuple(Exclusion(number, reason) for number, reason in enumerate(reasons, 1) if reason)
     if left_out and (not leave_out_unfit or len(left_out) == len(wanted)):
         first = left_out[0]
-        raise WorkSpaceError(f"Configuration {first.number} of those to add: {first.reason}; leave it out.")
+        raise WorkSpaceError(f"Additional configuration {first.number}: {first.reason}. Leave it out.")
     fit = [k for k, reason in enumerate(reasons) if reason is None]
     return Addition(_numbered(plan, [(wanted[k].joints_rad, nests[k]) for k in fit]), left_out)
 
@@ -113,8 +113,8 @@ def _space(cell: Cell, plan: SessionPlan) -> WorkSpace:
     ranges = next((limits for limits in known if limits is not None), None)
     if ranges is None:
         raise WorkSpaceError(
-            f"Joint limits are missing: neither the cell file nor {cell.robot.name} states them. Add them "
-            "to the cell file; the robot does not move without joint limits."
+            f"Joint limits are missing from both the cell file and {cell.robot.name}. Add them to the cell "
+            "file; the robot does not move without joint limits."
         )
     return space_of_cell(cell, ranges, plan.approach_offset_rad)
 
@@ -124,7 +124,7 @@ def _joints(space: WorkSpace, wanted: Sequence[WantedStop]) -> FloatArray:
     for number, entry in enumerate(wanted, start=1):
         if len(entry.joints_rad) != space.robot.n_joints or not np.all(np.isfinite(entry.joints_rad)):
             raise WorkSpaceError(
-                f"Configuration {number} of those to add needs {space.robot.n_joints} finite joint angles."
+                f"Additional configuration {number} needs {space.robot.n_joints} finite joint angles."
             )
     return np.array([entry.joints_rad for entry in wanted])
 
@@ -133,7 +133,7 @@ def _nests(space: WorkSpace, joints_rad: FloatArray, wanted: Sequence[WantedStop
     """Return the nest to measure in each configuration, be it seen or not."""
     unknown = next((w.nest for w in wanted if w.nest is not None and w.nest > len(space.nests)), None)
     if unknown is not None:
-        raise WorkSpaceError(f"The tool has {len(space.nests)} nests; {unknown} is none of them.")
+        raise WorkSpaceError(f"The tool has no nest {unknown}; it has {len(space.nests)} nests.")
     best = np.argmax(cosines_in_sight(space, nominal_chain(space, joints_rad)), axis=0) + 1
     return [int(best[k]) if entry.nest is None else entry.nest for k, entry in enumerate(wanted)]
 
@@ -145,11 +145,11 @@ def _reasons(
     approach_rad = joints_rad + (space.approach_offset_rad or 0.0)
     # The first reason is told: limits before what lies beyond them.
     judged = [
-        _outside(space, joints_rad, "the stop"),
+        _outside(space, joints_rad, "the measurement pose"),
         _outside(space, approach_rad, "the approach"),
-        _blocked(space, joints_rad, "the stop"),
+        _blocked(space, joints_rad, "the measurement pose"),
         _blocked(space, approach_rad, "the approach"),
-        _kept_out(space, joints_rad, "the stop"),
+        _kept_out(space, joints_rad, "the measurement pose"),
         _kept_out(space, approach_rad, "the approach"),
         _unseen(space, joints_rad, nests, wanted),
     ]
@@ -162,8 +162,9 @@ def _outside(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | 
     beyond = np.maximum(low - joints_rad, joints_rad - high)
     worst = np.argmax(beyond, axis=1)
     return [
-        f"{what} lies outside the limits, joint {joint + 1} at {np.degrees(joints_rad[row, joint]):.2f} deg, "
-        f"limits {np.degrees(low[joint]):.2f} to {np.degrees(high[joint]):.2f} deg"
+        f"{what} is outside the joint limits (joint {joint + 1} at "
+        f"{np.degrees(joints_rad[row, joint]):.2f} deg, limits {np.degrees(low[joint]):.2f} to "
+        f"{np.degrees(high[joint]):.2f} deg)"
         if beyond[row, joint] > _SLACK_RAD
         else None
         for row, joint in enumerate(worst)
@@ -171,12 +172,12 @@ def _outside(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | 
 
 
 def _blocked(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | None]:
-    reason = f"{what} comes too near to the table or to the robot's own column"
+    reason = f"{what} is too close to the table or the robot's own column"
     return [None if clear else reason for clear in is_clear(space, nominal_chain(space, joints_rad))]
 
 
 def _kept_out(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | None]:
-    reason = f"{what} comes too near to a keep-out volume ({', '.join(space.keep_outs.names)})"
+    reason = f"{what} is too close to a keep-out volume ({', '.join(space.keep_outs.names)})"
     return [None if outside else reason for outside in are_outside_keep_outs(space, joints_rad)]
 
 
@@ -186,9 +187,7 @@ def _unseen(
     cosines = cosines_in_sight(space, nominal_chain(space, joints_rad))
     seen = [is_seen(space, cosines[nest - 1, row]) for row, nest in enumerate(nests)]
     return [
-        None
-        if sees
-        else f"the tracker does not see {'any tool nest' if w.nest is None else f'nest {w.nest}'}"
+        None if sees else f"the tracker cannot see {'any tool nest' if w.nest is None else f'nest {w.nest}'}"
         for sees, w in zip(seen, wanted, strict=True)
     ]
 

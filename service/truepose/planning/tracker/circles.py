@@ -95,7 +95,7 @@ def plan_circles(space: WorkSpace, template: SessionPlan, turns: Sequence[Turn] 
     stops = tuple(_stops(kept, at_rest if within(space.motion_limits, np.array([at_rest]))[0] else None))
     if len(stops) > _MOST_STOPS:
         raise ConfigurationError(
-            f"These are {len(stops)} stops, {_MOST_STOPS} are the most: take larger steps."
+            f"The plan has {len(stops)} configurations; at most {_MOST_STOPS} are allowed. Use larger steps."
         )
     return replace(template, stops=stops, approach_offset_rad=None)
 
@@ -116,10 +116,12 @@ class _Sweep:
 def _require_possible(space: WorkSpace, turn: Turn) -> None:
     if not 1 <= turn.joint <= space.robot.n_joints:
         raise ConfigurationError(
-            f"There is no joint {turn.joint}: {space.robot.name} has {space.robot.n_joints}."
+            f"There is no joint {turn.joint}; {space.robot.name} has {space.robot.n_joints} joints."
         )
     if not (turn.lower_rad < turn.upper_rad and turn.step_rad > 0.0):
-        raise ConfigurationError(f"Joint {turn.joint} is turned from below to above, in steps above 0.")
+        raise ConfigurationError(
+            f"For joint {turn.joint}, the end of the range must be above its start and the step above 0 deg."
+        )
 
 
 def _best_sweep(space: WorkSpace, turn: Turn) -> _Sweep:
@@ -218,6 +220,7 @@ def _stops(sweeps: Sequence[_Sweep], at_rest: tuple[float, ...] | None) -> Itera
 def _refused(joints: Sequence[int]) -> str:
     listed = ", ".join(map(str, joints))
     return (
-        f"Joint {listed} shows the tracker no nest over 20 deg and {_FEWEST} angles in a row, wherever the "
-        "others stand, within limits and off the table: take a smaller step, or a nest that is seen longer."
+        f"For joint {listed}, the tracker sees no nest over at least 20 deg and {_FEWEST} consecutive angles "
+        "at any position of the other joints within limits and clear of the table. Use a smaller step, or a "
+        "nest that stays visible longer."
     )

@@ -135,7 +135,7 @@ def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
         As `plan_calibration`.
     """
     if n < 1:
-        raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
+        raise ConfigurationError(f"The number of configurations must be at least 1 (got {n}).")
     rng = _generator(seed, "validation")
     candidates = draw_candidates(space, n, rng)
     tour = short_tour(candidates.joints_rad)

@@ -170,8 +170,8 @@ def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candi
         if batch == _HOPELESS and not found:
             break
     raise TooFewCandidatesError(
-        f"Of {_BATCH * batch} random configurations {found} can be measured, {n} are needed: check "
-        "joint ranges, the tracker's place, the directions in which the reflectors face, the table's height."
+        f"{found} of {_BATCH * batch} random configurations can be measured; {n} are needed. Check the joint "
+        "ranges, the tracker position, the directions the reflectors face and the table height."
         f"{look_at(space.keep_outs)}"
     )
 

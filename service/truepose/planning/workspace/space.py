@@ -92,18 +92,22 @@ def require_consistent(space: WorkSpace) -> None:
     """
     for what, limits in (("ranges", space.ranges), ("limits", space.motion_limits)):
         if len(limits) != space.robot.n_joints:
-            raise WorkSpaceError(f"{len(limits)} joint {what} are given for {space.robot.n_joints} joints.")
+            raise WorkSpaceError(
+                f"{len(limits)} joint {what} were given for {space.robot.n_joints} joints. Give one per "
+                "joint."
+            )
         for number, limit in enumerate(limits, start=1):
             if not limit.lower_rad <= limit.upper_rad:
-                raise WorkSpaceError(f"The {what} of joint {number} end below where they begin.")
+                raise WorkSpaceError(f"The upper end of the {what} of joint {number} is below the lower end.")
     if not space.nests:
-        raise WorkSpaceError("The cell has no tool nest; there is nothing to measure.")
+        raise WorkSpaceError("The cell has no tool nest, so there is nothing to measure. Enter at least one.")
     for number, nest in enumerate(space.nests, start=1):
         if nest.centre_mm is None:
-            raise WorkSpaceError(f"Tool nest {number} has no centre; enter a rough one.")
+            raise WorkSpaceError(f"Tool nest {number} has no centre. Enter an approximate one.")
     if space.tracker_position_mm is None and any(nest.facing is not None for nest in space.nests):
         raise WorkSpaceError(
-            "Where a tool nest faces matters only to a tracker whose nominal position is known: enter it."
+            "A tool nest has a facing direction, but the nominal position of the tracker is missing. "
+            "Enter it."
         )
 
 
@@ -305,8 +309,8 @@ def space_to_measure(cell: Cell, approach_offset_rad: float | None) -> WorkSpace
     ranges = cell.limits.calibration or cell.robot.calibration_ranges
     if ranges is None:
         raise ConfigurationError(
-            f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
-            "give them under [limits] of the cell file, or give the stops."
+            f"Joint ranges for choosing configurations are missing for both the cell and {cell.robot.name}. "
+            "Give them under [limits] in the cell file, or give the configurations."
         )
     return space_of_cell(cell, ranges, approach_offset_rad)
 

@@ -201,7 +201,9 @@ def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
     """
     times = [group.time_s for group in groups]
     if len(groups) < 2 or any(later <= earlier for earlier, later in pairwise(times)):
-        raise ConfigurationError("Drift is a change: give two groups of visits or more, in order of time.")
+        raise ConfigurationError(
+            "A drift test needs at least two groups of repeat measurements, in chronological order."
+        )
     hours = (times[-1] - times[0]) / 3600.0
     curve = tuple(_points(pose, groups))
     settled = _settled(pose, groups)

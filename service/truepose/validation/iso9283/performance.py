@@ -74,7 +74,7 @@ def pose_performance(commanded: Sequence[CommandedPose], visits: Visits) -> Perf
     numbers = {pose.number for pose in commanded}
     if len(numbers) != POSES:
         raise ConfigurationError(
-            f"ISO 9283 asks for the five poses P1 to P5; {_are(len(numbers))} there: measure all of them."
+            f"ISO 9283 requires the five poses P1 to P5 (got {len(numbers)}). Measure all of them."
         )
     found = Performance((), ())
     for pose in sorted(commanded, key=lambda one: one.number):
@@ -102,11 +102,6 @@ def one_pose(pose: CommandedPose, visits: Visits, least: int) -> Performance:
         return Performance((), (Missing("AP", pose.name, reason), Missing("RP", pose.name, reason)))
     seen = visits.of_pose(pose.number)
     return Performance((*_accuracies(pose, seen), *_repeatabilities(pose, seen)), ())
-
-
-def _are(n: int) -> str:
-    """Return a number with its verb."""
-    return "one is" if n == 1 else f"{n} are"
 
 
 def _accuracies(pose: CommandedPose, seen: Visits) -> Iterator[Characteristic]:
@@ -174,7 +169,7 @@ def distance_performance(commanded: Sequence[CommandedPose], visits: Visits) -> 
     for number in ENDS:
         if number not in places:
             raise ConfigurationError(
-                f"P{number} is not among the commanded poses: the distance has no end there."
+                f"P{number} is missing from the commanded poses, so the distance cannot be evaluated."
             )
     subject = f"P{ENDS[0]}-P{ENDS[1]}"
     # Of one cycle: between two cycles the arm may have drifted, which is no scatter of a distance.
@@ -240,7 +235,9 @@ def direction_performance(
         There are not three directions.
     """
     if len(approaches) != DIRECTIONS:
-        raise ConfigurationError(f"vAP needs visits from three directions, and there are {len(approaches)}.")
+        raise ConfigurationError(
+            f"vAP requires measurements from three directions of approach (got {len(approaches)})."
+        )
     found = Performance((), ())
     for number in poses:
         found = found.joined(_one_pose(approaches, number))

@@ -63,11 +63,9 @@ class Cube:
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.centre_mm).all():
-            raise ConfigurationError("The centre of the cube is no place: give three numbers in mm.")
+            raise ConfigurationError("The cube centre must be given as three numbers in mm.")
         if not (np.isfinite(self.edge_mm) and self.edge_mm > 0.0):
-            raise ConfigurationError(
-                f"A cube with an edge of {self.edge_mm:g} mm is none: give one above 0 mm."
-            )
+            raise ConfigurationError(f"The cube edge must be greater than 0 mm (got {self.edge_mm:g} mm).")
 
     @property
     def poses(self) -> tuple[CommandedPose, ...]:
@@ -240,9 +238,12 @@ def _unreached(poses: tuple[CommandedPose, ...], reached: BoolArray) -> str:
     """Return the sentence that names the poses out of reach."""
     never = [pose.name for pose, found in zip(poses, reached, strict=True) if not found.any()]
     if not never:
-        return "The robot reaches all five poses, but in no single branch: take a smaller or a nearer cube."
+        return (
+            "The robot reaches all five poses, but not all in the same branch. Choose a smaller or closer "
+            "cube."
+        )
     verb = "is" if len(never) == 1 else "are"
-    return f"{', '.join(never)} {verb} out of the robot's reach: take a smaller or a nearer cube."
+    return f"{', '.join(never)} {verb} out of the robot's reach. Choose a smaller or closer cube."
 
 
 APPROACH_MM: Final = 50.0
@@ -325,7 +326,7 @@ def plan_directions(
         From neither side is there a way to all poses along an axis, which the sentence names.
     """
     if not (np.isfinite(approach_mm) and approach_mm > 0.0):
-        raise ConfigurationError(f"An approach of {approach_mm:g} mm is none: give one above 0 mm.")
+        raise ConfigurationError(f"The approach distance must be greater than 0 mm (got {approach_mm:g} mm).")
     rows = [number - 1 for number in _DIRECTION_ORDER]
     poses = np.array([plan.poses[row].position_mm for row in rows])
     joints = plan.joints_rad[rows]
@@ -361,8 +362,8 @@ def _refused(possible: BoolArray) -> str:
     """Return the sentence that names the axes along which no approach is possible."""
     lost = " and ".join("xyz"[axis] for axis in range(DIRECTIONS) if not possible[axis].any())
     return (
-        f"From neither side can P4, P2 and P1 all be approached along {lost} of the base: "
-        "take a smaller or a nearer cube, or a shorter approach."
+        f"P4, P2 and P1 cannot all be approached from the same side along {lost} of the base. Choose a "
+        "smaller or closer cube, or a shorter approach distance."
     )
 
 
@@ -392,7 +393,9 @@ def drift_session(poses: PosePlan, nest: int, hours: float = HOURS) -> SessionPl
         Less than ten minutes, or more than eight hours.
     """
     if not _DUE_MIN[1] <= 60.0 * hours <= _DUE_MIN[-1]:
-        raise ConfigurationError(f"A drift over {hours:g} h: give between 10 min and 8 h.")
+        raise ConfigurationError(
+            f"The duration of the drift test must be between 10 min and 8 h (got {hours:g} h)."
+        )
     # The first groups follow each other closely, since a cold robot changes fastest (7.6).
     due_s = [60.0 * minute for minute in _DUE_MIN if minute <= 60.0 * hours]
     due_s[-1] += _OVERTIME_S

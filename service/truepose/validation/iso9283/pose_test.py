@@ -134,11 +134,13 @@ def _cycle_of(pose: IntArray) -> IntArray:
 
 def _refused(n: int) -> str:
     """Return the sentence that says what the standard takes."""
-    said = {0: "no pose that was", 1: "one pose that was"}.get(n, f"{n} poses that were")
+    said = {0: "no repeatedly measured pose", 1: "one repeatedly measured pose"}.get(
+        n, f"{n} repeatedly measured poses"
+    )
     return (
-        f"The table holds {said} visited again and again: ISO 9283 takes five (AP, RP, AD, RD), three from "
-        "three directions (vAP), or one in groups over eight hours (drift). Say in repeat_of which visits "
-        "are of the same pose."
+        f"The table has {said}. ISO 9283 requires five poses (AP, RP, AD, RD), three poses approached from "
+        "three directions (vAP), or one pose in groups over eight hours (drift). Mark repeat measurements "
+        "of the same pose in repeat_of."
     )
 
 
@@ -215,7 +217,9 @@ def pose_test(model: Model, points: Readings) -> PoseTest:
         The table holds no such test, or lengths instead of points, or does not fit the model.
     """
     if not isinstance(points, PointReadings):
-        raise ConfigurationError("ISO 9283 judges positions: lengths of a ballbar are no attained poses.")
+        raise ConfigurationError(
+            "ISO 9283 evaluates attained positions; ballbar lengths cannot be used. Give positions."
+        )
     cycles = find_cycles(points)
     judged = judge(model, points, model.repeatability_mm)
     nominal, identified = (
@@ -301,7 +305,8 @@ def _of_three(test: _Attained) -> Performance:
         came = direction[rows]
     else:
         raise ConfigurationError(
-            "vAP needs to know from where each visit came: give its number in the column group, or dir1.. ."
+            "vAP requires the direction of approach of each measurement. Give its number in the column "
+            "group, or the columns dir1..."
         )
     return direction_performance(tuple(_approaches(test.visits, came)), test.cycles.poses)
 
@@ -334,8 +339,8 @@ def _drift(test: _Attained) -> Drift:
     rows, group, time_s = test.cycles.rows, test.stops.group, test.stops.time_s
     if group is None or time_s is None or not np.isfinite(time_s[rows]).all():
         raise ConfigurationError(
-            "Only one pose was visited again and again, which is a test of drift: give the columns group and "
-            "time_s. For AP and RP, measure five poses."
+            "Only one pose was measured repeatedly, which is a drift test. Give the columns group and "
+            "time_s; for AP and RP, measure five poses."
         )
     groups = _groups(test.visits, group[rows], time_s[rows])
     return drift(test.commanded[0], sorted(groups, key=lambda one: one.time_s))

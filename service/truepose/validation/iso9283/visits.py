@@ -91,7 +91,7 @@ class Visits(Table):
         if len(twice):
             first = twice[0]
             raise ConfigurationError(
-                f"P{pose[first]} is there twice in cycle {cycle[first]}: a pose is visited once a cycle."
+                f"P{pose[first]} occurs twice in cycle {cycle[first]}. Measure each pose once per cycle."
             )
 
     @property

@@ -158,8 +158,8 @@ async def test_a_robot_without_diagnoses_is_said(client, diagnosed, query):
 @pytest.mark.parametrize(
     ("request_", "words"),
     [
-        ({"effects": ["magic"]}, "'magic'; known are base, tool"),
-        ({"effects": ["geometry", "geometry"]}, "'geometry' is named twice"),
+        ({"effects": ["magic"]}, "'magic'; available effects: base, tool"),
+        ({"effects": ["geometry", "geometry"]}, "'geometry' is given twice"),
         ({"measured_on": "3 March"}, "measured_on"),
         ({"measured_on": 20260303}, "measured_on"),
         ({"effects": []}, "effects"),

@@ -122,7 +122,7 @@ async def test_what_no_format_can_hold_is_a_problem_in_words(client, model_id):
     ]
 
     assert [answer.status_code for answer in (other_arm, zoneless, no_format)] == [409, 409, 422]
-    assert "does not know its measured zone" in zoneless.json()["detail"]
+    assert "does not state its measured zone" in zoneless.json()["detail"]
     assert "elbow does not have the axes of a Universal Robots arm" in other_arm.json()["detail"]
     assert (await client.get("/api/v1/models/999/exports/urdf")).status_code == 404
 
@@ -290,8 +290,8 @@ async def test_what_is_not_there_cannot_be_identified(client):
 @pytest.mark.parametrize(
     ("effects", "sentence"),
     [
-        (["base", "geometry", "base"], "Effect 'base' is named twice: name it once."),
-        (["magic"], "'magic'; known are base, tool"),
+        (["base", "geometry", "base"], "Effect 'base' is given twice. Give it once."),
+        (["magic"], "'magic'; available effects: base, tool"),
     ],
 )
 async def test_effects_that_cannot_be_meant_are_refused_at_once(client, campaign_id, effects, sentence):

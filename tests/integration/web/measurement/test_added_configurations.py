@@ -133,7 +133,7 @@ async def test_a_session_that_has_ended_takes_no_more(client, until):
         ({"configurations": [{"joints_deg": [0, 42, -25, 0, 30]}]}, 409, "needs 6 finite joint angles"),
         ({"configurations": [{"joints_deg": [0, 42, -25, 0, 500, 0], "nest": 1}]}, 409, "oint 5"),
         ({"configurations": [{"joints_deg": [0, 90, 40, 0, 30, 0], "nest": 1}]}, 409, "table"),
-        ({"configurations": [{"joints_deg": [0, 42, -25, 0, 30, 0], "nest": 99}]}, 409, "none of them"),
+        ({"configurations": [{"joints_deg": [0, 42, -25, 0, 30, 0], "nest": 99}]}, 409, "no nest 99"),
         ({"reason": "why not"}, 422, "reason"),
     ],
 )

@@ -101,7 +101,7 @@ async def test_a_choice_that_fails_says_so_in_its_job_and_leaves_no_session(app,
     job = await until(told.headers["Location"], "state", "succeeded", "failed")
 
     assert (job["state"], job["code"]) == ("failed", "TP-5002")
-    assert "put the targets nearer" in job["message"]
+    assert "Move the targets" in job["message"]
     assert (await client.get("/api/v1/sessions")).json() == []
 
 
@@ -129,7 +129,7 @@ async def test_what_the_cell_cannot_do_is_refused_with_a_sentence(client):
     reply = await client.post("/api/v1/sessions", json=far)
 
     assert reply.status_code == 409
-    assert "put the targets nearer" in reply.json()["detail"]
+    assert "Move the targets" in reply.json()["detail"]
 
 
 async def test_configurations_are_not_added_to_it(client):

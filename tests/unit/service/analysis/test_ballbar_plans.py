@@ -22,7 +22,7 @@ def test_a_place_that_was_given_is_where_it_is_measured():
 
 
 def test_without_a_place_as_many_are_looked_for_as_were_asked_for():
-    with pytest.raises(ConfigurationError, match="no session"):
+    with pytest.raises(ConfigurationError, match="A session needs at least one placement"):
         plan_ballbar_session(domain_cell(), (), placements=0, poses=10, seed=1, sphere=None)
 
 

@@ -55,7 +55,7 @@ def test_a_plan_keeps_what_was_wanted_of_the_session():
 def test_without_ranges_nothing_is_chosen():
     task = PlanTask(make_setup(), dataclasses.replace(make_plan(), stops=()), 4, 1)
 
-    with pytest.raises(ConfigurationError, match=r"under \[limits\] of the cell file"):
+    with pytest.raises(ConfigurationError, match=r"under \[limits\] in the cell file"):
         task.perform(quiet)
 
 

@@ -82,7 +82,7 @@ def test_the_same_model_gives_the_same_values():
     "model", [replace(of_zeros(), zone=None), replace(of_zeros(), torques_measured=True)]
 )
 def test_a_model_of_which_nobody_knows_the_zone_is_refused(model):
-    with pytest.raises(ConfigurationError, match="does not know its measured zone, or needs torques"):
+    with pytest.raises(ConfigurationError, match="does not state its measured zone, or needs torques"):
         controller_values(model)
 
 

@@ -295,7 +295,7 @@ def test_a_model_without_nests_has_a_base_and_places_no_nest():
 
 @pytest.mark.parametrize(
     ("value", "said"),
-    [(np.nan, "no rotation"), (np.inf, "no rotation"), (1.1, "no rotation"), (-1.0, "left-handed")],
+    [(np.nan, "not a rotation"), (np.inf, "not a rotation"), (1.1, "not a rotation"), (-1.0, "left-handed")],
 )
 def test_what_is_no_rotation_is_refused_with_its_row(value, said):
     pose = np.tile(np.eye(4), (3, 1, 1))

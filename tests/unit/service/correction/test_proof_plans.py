@@ -47,5 +47,5 @@ def test_where_there_is_room_no_target_is_left_out():
 
 
 def test_a_plan_of_no_target_is_refused():
-    with pytest.raises(ConfigurationError, match="Not one of the targets"):
+    with pytest.raises(ConfigurationError, match="None of the targets"):
         planned(at_the_edge(0.001), *parameters_of("geometry", [("theta_2", 0.01, "rad")]))

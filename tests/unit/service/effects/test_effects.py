@@ -107,7 +107,9 @@ def test_names_lead_back_to_what_they_name():
 
 
 def test_an_unknown_effect_is_refused_with_the_known_ones():
-    with pytest.raises(UnknownEffectError, match=r"no effect 'magic'; known are base, tool, geometry"):
+    with pytest.raises(
+        UnknownEffectError, match=r"Unknown effect 'magic'; available effects: base, tool, geometry"
+    ):
         effect_named("magic")
 
 

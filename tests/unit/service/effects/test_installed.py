@@ -234,14 +234,14 @@ def test_what_is_brought_does_what_it_does_at_home(brought):
     [
         (object(), "its entry point is a object without specs, terms"),
         (Lacking(), "without specs, terms, unseen, candidates, describe"),
-        (JointGain(), "it calls itself 'joint_gain' but is registered as 'acme'"),
-        (Needy(), "it needs humidity, which no row tells"),
-        (replace(OWN["jump"], name="leap"), "it calls itself 'leap'"),
+        (JointGain(), "its name is 'joint_gain', but it is registered as 'acme'"),
+        (Needy(), "it needs humidity, which rows do not provide"),
+        (replace(OWN["jump"], name="leap"), "its name is 'leap'"),
         (Needless(), "loading acme_module:acme failed with TypeError"),
         (Unfinished(), "loading acme_module:acme failed with AttributeError"),
         (Mistraited(), "loading acme_module:acme failed with TypeError"),
         (Shy(), "loading acme_module:acme failed with RuntimeError: no licence"),
-        (replace(OWN["jump"], name="acme", shape="hump"), "its shape 'hump' is none of"),
+        (replace(OWN["jump"], name="acme", shape="hump"), "its shape 'hump' must be one of"),
         (replace(OWN["jump"], name="acme", parts=None), "loading acme_module:acme failed with TypeError"),
     ],
 )
@@ -253,7 +253,10 @@ def test_what_is_none_of_these_is_left_out_with_its_reason(thing, why, brought):
 
 
 def test_a_name_that_would_not_lead_back_is_refused(brought):
-    assert "no underscore" in brought(acme_jump=replace(OWN["jump"], name="acme_jump")).broken["acme_jump"]
+    assert (
+        "must not contain underscores"
+        in brought(acme_jump=replace(OWN["jump"], name="acme_jump")).broken["acme_jump"]
+    )
 
 
 def test_one_that_cannot_be_loaded_does_not_take_the_others_down(brought):
@@ -272,7 +275,7 @@ def test_of_two_of_one_name_neither_is_taken(thing, brought):
 
     found = load_installed([EntryPoint("acme", "acme_module:acme", GROUP)] * 2)
 
-    assert "two installed packages bring one of that name" in found.broken["acme"]
+    assert "two installed packages provide it" in found.broken["acme"]
     assert not found.effects and not found.causes and not found.kinds
 
 
@@ -307,7 +310,7 @@ def test_words_that_a_subject_could_not_be_taken_apart_at_are_refused(field, bro
     kind = brought(jump=replace(OWN["jump"], **{field: once("hall 3, east")})).kinds["jump"]
 
     with pytest.raises(
-        InstalledCauseError, match="'jump' failed with ValueError: 'hall 3, east' has a comma"
+        InstalledCauseError, match="'jump' failed with ValueError: 'hall 3, east' contains a comma"
     ):
         kind.subject((3,))
 
@@ -316,7 +319,7 @@ def test_a_variant_that_would_not_lead_back_from_a_name_is_refused(brought):
     kind = brought(jump=replace(OWN["jump"], variants=lambda _scene: [("by_day", 0.0)])).kinds["jump"]
 
     with pytest.raises(
-        InstalledCauseError, match="'jump' failed with ValueError: the variant 'by_day' has an"
+        InstalledCauseError, match="'jump' failed with ValueError: the variant 'by_day' contains an"
     ):
         kind.variants(telling_scene())
 

@@ -41,7 +41,7 @@ def test_no_room_of_the_numerics_names_a_cause(room):
 def test_effects_are_chosen_by_name_once_each():
     assert chosen_effects(["base", "tool"]) == ("base", "tool")
     assert chosen_effects([]) == ()
-    with pytest.raises(ConfigurationError, match="'tool' is named twice"):
+    with pytest.raises(ConfigurationError, match="'tool' is given twice"):
         chosen_effects(["tool", "base", "tool"])
 
 

@@ -156,7 +156,7 @@ def test_an_instruments_scale_is_no_part_of_a_quick_check(planned, belief):
     wave = _wave(belief)
     scale = replace(wave, directions=np.zeros_like(wave.directions))
 
-    with pytest.raises(ConfigurationError, match="instrument's scale"):
+    with pytest.raises(ConfigurationError, match="not of the scale of an instrument"):
         planned(20, seed=2, causes=[wave, scale])
 
 

@@ -84,7 +84,7 @@ def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
 def test_a_covariance_that_is_none_is_refused(told):
     broken = JointPrior(told.specs, told.owners, np.zeros(len(told.specs)), np.zeros((len(told.specs),) * 2))
 
-    with pytest.raises(ConfigurationError, match="variances are all above 0"):
+    with pytest.raises(ConfigurationError, match="covariance of the prior must be positive definite"):
         broken.beyond_stated()
 
 

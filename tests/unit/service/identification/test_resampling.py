@@ -113,9 +113,9 @@ def test_readings_of_one_configuration_are_drawn_together(campaign):
 
 
 def test_too_few_configurations_or_draws_say_nothing(fitted):
-    with pytest.raises(ConfigurationError, match="resample by noise"):
+    with pytest.raises(ConfigurationError, match="Resample by noise"):
         Resampling(measured(nominal_campaign(8), effects=("base",))[0], ("base",)).draw(
             "configurations", np.random.default_rng(0)
         )
-    with pytest.raises(ConfigurationError, match="Of 12 draws 2 converged"):
+    with pytest.raises(ConfigurationError, match="Only 2 of 12 draws converged"):
         fitted.spread("noise", [None] * 10 + _draws(fitted, "noise", 2))

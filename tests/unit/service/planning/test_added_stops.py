@@ -62,23 +62,24 @@ def test_the_nest_that_faces_the_tracker_is_measured_where_none_is_named():
     (stop,) = stops_to_add(make_cell(nests=nests), PLAN, [WantedStop(ahead)])
 
     assert stop.nest == 2
-    with pytest.raises(
-        WorkSpaceError, match="Configuration 1 of those to add: the tracker does not see nest 1"
-    ):
+    with pytest.raises(WorkSpaceError, match="Additional configuration 1: the tracker cannot see nest 1"):
         stops_to_add(make_cell(nests=nests), PLAN, [WantedStop(ahead, 1)])
 
 
 @pytest.mark.parametrize(
     ("wanted", "words"),
     [
-        ([WantedStop(TURNED), WantedStop((0.0,) * 5)], "Configuration 2 of those to add needs 6 finite"),
-        ([WantedStop((math.nan,) * 6)], "Configuration 1 of those to add needs 6 finite"),
+        ([WantedStop(TURNED), WantedStop((0.0,) * 5)], "Additional configuration 2 needs 6 finite"),
+        ([WantedStop((math.nan,) * 6)], "Additional configuration 1 needs 6 finite"),
         (
             [WantedStop(TURNED), WantedStop(INTO_THE_TABLE)],
-            "Configuration 2 of those to add: the stop comes too near",
+            "Additional configuration 2: the measurement pose is too close to",
         ),
-        ([WantedStop(TURNED, 7)], "The tool has 1 nests; 7 is none"),
-        ([WantedStop((2.0, *TURNED[1:]))], r"outside the limits, joint 1 at 114\.59 deg, limits -95\.00"),
+        ([WantedStop(TURNED, 7)], "The tool has no nest 7; it has 1 nests"),
+        (
+            [WantedStop((2.0, *TURNED[1:]))],
+            r"outside the joint limits \(joint 1 at 114\.59 deg, limits -95\.00",
+        ),
     ],
 )
 def test_what_cannot_be_measured_is_refused_with_the_reason(wanted, words):
@@ -90,7 +91,7 @@ def test_the_approach_is_judged_like_the_stop():
     # 40 deg further down on all joints the forearm is in the table; the stop itself is clear of it.
     steep = replace(PLAN, approach_offset_rad=math.radians(40.0))
 
-    with pytest.raises(WorkSpaceError, match="Configuration 1 of those to add: the approach"):
+    with pytest.raises(WorkSpaceError, match="Additional configuration 1: the approach"):
         stops_to_add(make_cell(), steep, [WantedStop(TURNED)])
 
 
@@ -120,7 +121,9 @@ def test_what_cannot_be_measured_is_left_out_where_that_is_wanted_and_said():
 
 
 def test_where_none_can_be_measured_none_is_added():
-    with pytest.raises(WorkSpaceError, match="Configuration 1 of those to add: the stop comes too near"):
+    with pytest.raises(
+        WorkSpaceError, match="Additional configuration 1: the measurement pose is too close to"
+    ):
         addition(make_cell(), PLAN, [WantedStop(INTO_THE_TABLE)] * 2, leave_out_unfit=True)
 
 

@@ -154,8 +154,8 @@ def test_a_controller_that_cannot_reach_the_approach_rules_the_edge_out():
     [
         ({"nests": ()}, "no tool nest"),
         ({"nests": (Nest(None),)}, "Tool nest 1 has no centre"),
-        ({"ranges": SPACE.ranges[:5]}, "5 joint ranges are given for 6 joints"),
-        ({"ranges": (JointRange(1.0, 0.0), *SPACE.ranges[1:])}, "ranges of joint 1 end below"),
+        ({"ranges": SPACE.ranges[:5]}, "5 joint ranges were given for 6 joints"),
+        ({"ranges": (JointRange(1.0, 0.0), *SPACE.ranges[1:])}, "end of the ranges of joint 1 is below"),
         ({"tracker_position_mm": None}, "nominal position"),
     ],
 )
@@ -167,7 +167,7 @@ def test_a_cell_that_contradicts_itself_is_refused_with_one_sentence(changes, se
 def test_a_cell_without_feasible_configurations_says_what_to_look_at():
     buried = replace(SPACE, table_z_mm=5000.0)
 
-    with pytest.raises(TooFewCandidatesError, match="the table's height"):
+    with pytest.raises(TooFewCandidatesError, match="the table height"):
         draw_candidates(buried, 5, rng())
 
 

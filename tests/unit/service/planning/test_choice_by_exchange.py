@@ -141,7 +141,7 @@ def test_as_many_as_there_are_means_all_of_them():
 
 
 def test_more_than_there_are_is_refused_with_both_numbers():
-    with pytest.raises(TooFewCandidatesError, match="8 configurations were asked for, and only 5"):
+    with pytest.raises(TooFewCandidatesError, match="8 configurations were requested, but there are only 5"):
         choose_by_exchange(candidates(5), 8, np.random.default_rng(0))
 
 
@@ -165,7 +165,7 @@ def test_arguments_that_make_no_sense_are_refused(jacobians, n, start):
 
 @pytest.mark.parametrize("prior", [np.eye(3), np.ones(4), np.full((4, 4), math.nan)])
 def test_a_prior_of_other_parameters_is_refused(prior):
-    with pytest.raises(ConfigurationError, match="of 4 parameters"):
+    with pytest.raises(ConfigurationError, match="prior information on 4 parameters"):
         choose_by_exchange(candidates(5), 2, np.random.default_rng(0), prior_information=prior)
 
 

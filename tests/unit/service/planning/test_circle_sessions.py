@@ -113,7 +113,9 @@ def test_the_same_cell_gets_the_same_test(facing_plan):
 def test_a_joint_that_was_asked_for_and_shows_no_nest_is_named():
     backwards = replace(_CELL, tracker_position_mm=(0.0, 0.0, -3000.0))  # below the table
 
-    with pytest.raises(ConfigurationError, match="Joint 2 shows the tracker no nest over 20 deg"):
+    with pytest.raises(
+        ConfigurationError, match="For joint 2, the tracker sees no nest over at least 20 deg"
+    ):
         planned(backwards, (turn(2, -40, 40, 1),))
 
 
@@ -121,7 +123,7 @@ def test_no_joint_in_sight_is_said():
     narrow = (JointRange(-0.01, 0.01),) * 6
     held = replace(_SEEN_CELL, limits=replace(_SEEN_CELL.limits, joints=narrow))
 
-    with pytest.raises(ConfigurationError, match="Joint 1, 2, 3, 4, 5, 6"):
+    with pytest.raises(ConfigurationError, match="For joint 1, 2, 3, 4, 5, 6"):
         planned(held)
 
 
@@ -132,15 +134,17 @@ def test_a_joint_that_the_robot_does_not_have_is_refused():
 
 @pytest.mark.parametrize("bad", [(40, -40, 1), (-40, 40, 0), (10, 10, 1)])
 def test_an_interval_that_is_none_is_refused(bad):
-    with pytest.raises(ConfigurationError, match="Joint 1 is turned from below to above"):
+    with pytest.raises(ConfigurationError, match="For joint 1, the end of the range must be above its start"):
         planned(turns=(turn(1, *bad),))
 
 
 def test_more_stops_than_anybody_waits_for_are_refused():
-    with pytest.raises(ConfigurationError, match="5401 stops, 5000 are the most"):
+    with pytest.raises(ConfigurationError, match="5401 configurations; at most 5000 are allowed"):
         planned(turns=(turn(5, -90, 90, 0.0666666666),))
 
 
 def test_a_turn_that_is_shorter_than_its_step_shows_no_circle():
-    with pytest.raises(ConfigurationError, match="Joint 1 shows the tracker no nest over 20 deg"):
+    with pytest.raises(
+        ConfigurationError, match="For joint 1, the tracker sees no nest over at least 20 deg"
+    ):
         planned(turns=(turn(1, 0.5, 0.9, 1),))

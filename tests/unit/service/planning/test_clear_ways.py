@@ -59,5 +59,5 @@ def test_one_stop_and_none_are_in_order():
 
 
 def test_a_validation_of_nothing_is_refused():
-    with pytest.raises(ConfigurationError, match="ask for at least one"):
+    with pytest.raises(ConfigurationError, match=r"must be at least 1 \(got 0\)"):
         plan_validation(SPACE, 0, seed=1)

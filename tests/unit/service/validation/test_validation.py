@@ -143,7 +143,7 @@ def test_one_reading_has_no_distances():
 
 
 def test_nothing_to_validate_with_is_refused():
-    with pytest.raises(ConfigurationError, match="no reading to validate with"):
+    with pytest.raises(ConfigurationError, match="no readings to validate with"):
         validate(model(), readings(0))
 
 
@@ -163,7 +163,9 @@ def test_legs_are_judged_by_length():
 
 
 def test_legs_from_a_place_that_the_model_does_not_know_are_refused():
-    with pytest.raises(ConfigurationError, match="Placement 1, base point 3 was not among the legs"):
+    with pytest.raises(
+        ConfigurationError, match="Base point 3 of placement 1 is not among the ballbar lengths"
+    ):
         validate(model(), legs(base_point=3))
 
 

@@ -76,7 +76,7 @@ def test_the_nominal_prediction_knows_no_parameter():
 
 
 def test_another_number_of_joints_is_refused():
-    with pytest.raises(ConfigurationError, match="has 6 joints, the rows have 5"):
+    with pytest.raises(ConfigurationError, match="has 6 joints, but the rows have 5"):
         predict(model(), Stops(np.arange(5), JOINTS[:, :5]), ONES)
 
 

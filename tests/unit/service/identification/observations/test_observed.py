@@ -29,7 +29,7 @@ def test_legs_from_some_of_the_cups_are_held_against_those_cups(problem):
 def test_legs_from_a_cup_that_the_model_does_not_know_are_refused(problem):
     elsewhere = telling_legs(base_point=np.full(N, 7)).legs
 
-    with pytest.raises(ConfigurationError, match="Placement 1, base point 7"):
+    with pytest.raises(ConfigurationError, match="Base point 7 of placement 1"):
         observation_block(elsewhere, 0.0, problem.structure)
 
 

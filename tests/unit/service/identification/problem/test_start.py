@@ -12,7 +12,9 @@ SEARCHED = ("base_shift", "fixture_shift", "label_swap", "outliers", "unnamed")
 
 @pytest.mark.parametrize("effect", SEARCHED)
 def test_what_only_a_search_finds_is_refused_and_the_search_is_named(effect):
-    with pytest.raises(ConfigurationError, match=rf"'{effect}' has no parameters .* `diagnose` looks for it"):
+    with pytest.raises(
+        ConfigurationError, match=rf"'{effect}' has no parameters .* `diagnose` searches for it"
+    ):
         build(telling_campaign(), ("base", "geometry", effect))
 
 

@@ -99,7 +99,7 @@ def test_readings_of_another_robot_are_refused(judged):
     stops = campaign.held_out.stops
     fewer = replace(campaign.held_out, stops=replace(stops, joints_rad=stops.joints_rad[:, :5]))
 
-    with pytest.raises(ConfigurationError, match="has 6 joints, the rows have 5"):
+    with pytest.raises(ConfigurationError, match="has 6 joints, but the rows have 5"):
         judge(answer.model, fewer, 0.0)
 
 

@@ -90,7 +90,7 @@ def test_nests_on_a_line_are_refused(which):
 def test_a_flange_in_the_plane_of_the_nests_is_refused():
     flat = NESTS - NESTS.mean(axis=0)
 
-    with pytest.raises(ConfigurationError, match="no side is free"):
+    with pytest.raises(ConfigurationError, match="neither side is free"):
         measurable(assemblies(CUPS, flat), CUPS, flat)
 
 

@@ -255,12 +255,12 @@ def test_a_tool_whose_single_leg_is_dead_is_refused_although_another_pose_fits()
     ("change", "sentence"),
     [
         ({"legs": ((1, 1), (2, 1), (5, 1), (1, 2), (2, 2), (2, 3))}, "B5 T1"),
-        ({"length_mm": np.full(5, 300.0)}, "as many lengths"),
+        ({"length_mm": np.full(5, 300.0)}, "the same number of lengths"),
         ({"length_mm": np.array([300.0, np.nan, 300.0, 300.0, 300.0, 300.0])}, "finite length"),
-        ({"length_mm": np.array([300.0, -300.0, 300.0, 300.0, 300.0, 300.0])}, "above 0 mm"),
-        ({"covariance_mm2": np.zeros((6, 6))}, "uncertainty above 0 mm"),
+        ({"length_mm": np.array([300.0, -300.0, 300.0, 300.0, 300.0, 300.0])}, "length greater than 0 mm"),
+        ({"covariance_mm2": np.zeros((6, 6))}, "uncertainty greater than 0 mm"),
         ({"covariance_mm2": np.eye(5)}, "covariance of that size"),
-        ({"fixtures": replace(FIXTURES, cups_mm=CUPS[:2])}, "Three or more cups"),
+        ({"fixtures": replace(FIXTURES, cups_mm=CUPS[:2])}, "At least three cups"),
         ({"fixtures": replace(FIXTURES, nests_mm=NESTS[:2])}, "exactly three nests"),
     ],
 )
@@ -307,7 +307,7 @@ def test_two_poses_that_are_both_near_the_commanded_one_are_refused():
     length_mm = lengths(turned(3.0), legs, CUPS, nests)
     fixtures, u2 = Fixtures(CUPS, nests), covariance(legs)
 
-    with pytest.raises(ConfigurationError, match="Two poses next to the commanded one"):
+    with pytest.raises(ConfigurationError, match="Two poses close to the commanded one"):
         least_squares_pose(fixtures, legs, length_mm, u2, commanded=turned(4.0))
     for commanded_mm, attained_mm in ((10.0, 3.0), (-10.0, -3.0)):
         found = least_squares_pose(fixtures, legs, length_mm, u2, commanded=turned(commanded_mm))

@@ -77,5 +77,5 @@ def test_another_number_of_cups_is_refused(points):
 
 @pytest.mark.parametrize("side", [0.0, -1.0, np.inf, np.nan])
 def test_a_side_that_is_no_length_is_refused(side):
-    with pytest.raises(ConfigurationError, match="mm apart"):
+    with pytest.raises(ConfigurationError, match="distance between the cups"):
         base_fixture(1, PLACE, 3, side)

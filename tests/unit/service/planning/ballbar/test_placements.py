@@ -66,7 +66,7 @@ def test_a_place_that_holds_no_setting_ball_ends_no_search_that_found_others():
 
 @pytest.mark.parametrize(("placements", "each"), [(1, 501), (2, 251)])
 def test_more_poses_than_any_place_offers_are_refused(placements, each):
-    with pytest.raises(TooFewCandidatesError, match=f"places that were tried can {each} "):
+    with pytest.raises(TooFewCandidatesError, match=f"positions tried allows {each} "):
         suggest(CELL, PlacementRequest(placements=placements, poses=501, draws=10, moves=0))
 
 

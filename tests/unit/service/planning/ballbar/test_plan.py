@@ -42,7 +42,7 @@ def test_every_pose_has_a_number_of_its_own_and_six_legs(at_hand):
 
 
 def test_a_placement_at_which_no_pose_is_chosen_says_so():
-    with pytest.raises(TooFewCandidatesError, match="Of 1 poses none is best measured from placement"):
+    with pytest.raises(TooFewCandidatesError, match="None of the 1 poses is best measured from placement"):
         plan_at(CELL, [fixture_before_the_arm(), AFTER], 1)
 
 
@@ -139,7 +139,7 @@ def test_from_a_place_out_of_reach_nothing_is_planned():
 
 
 def test_a_place_where_the_ball_can_be_held_and_no_pose_measured_is_refused():
-    with pytest.raises(TooFewCandidatesError, match="from placement 1: place the base fixture elsewhere"):
+    with pytest.raises(TooFewCandidatesError, match=r"from placement 1\. Move the base fixture"):
         plan_at(replace(CELL, bar_room_mm=500.0), [fixture_before_the_arm()], 10)
 
 
@@ -148,13 +148,13 @@ def test_a_next_place_where_the_arm_stands_whatever_it_measured_last_is_refused(
     first = base_fixture(1, frame(450, -200, 80, 0, 0, 60))
     above = base_fixture(2, frame(450, -200, 375, 0, 0, 60))
 
-    with pytest.raises(NoWayError, match="put to placement 2"):
+    with pytest.raises(NoWayError, match="moved to placement 2"):
         plan_at(CELL, [first, above], 10)
 
 
 @pytest.mark.parametrize(("placements", "poses"), [(0, 10), (3, 2), (1, 0)])
 def test_no_session_is_asked_for(placements, poses):
-    with pytest.raises(ConfigurationError, match="no session"):
+    with pytest.raises(ConfigurationError, match="A session needs at least one placement"):
         ballbar_plan(domain_cell(), placements=placements, poses=poses)
 
 
@@ -184,7 +184,7 @@ def test_without_any_range_nothing_is_planned():
     cell = domain_cell()
     unlimited = replace(cell, robot=replace(cell.robot, calibration_ranges=None, joint_limits=None))
 
-    with pytest.raises(WorkSpaceError, match="how far the joints"):
+    with pytest.raises(WorkSpaceError, match=r"joint ranges of .* are not known"):
         cell_for(unlimited)
 
 
@@ -217,7 +217,7 @@ def test_a_floor_that_nobody_states_is_one_for_every_plan_and_check(foot_z_mm, f
 def test_tool_nests_on_a_line_are_refused_wherever_the_base_fixture_stands():
     line = tuple(Nest((50.0 * k, 10.0 * k, 120.0), 0.002) for k in (-1.0, 0.0, 1.0))
 
-    with pytest.raises(ConfigurationError, match="tool nests are on a line"):
+    with pytest.raises(ConfigurationError, match="tool nests lie on a line"):
         cell_for(replace(domain_cell(), nests=line))
 
 
@@ -229,5 +229,5 @@ def test_an_arm_without_links_to_look_at_is_told_that_it_reaches_nothing(joints)
     arm = replace(CELL.robot, joints=rows, masses=(), calibration_ranges=None)
     cell = replace(CELL, robot=arm, ranges=CELL.ranges[:joints], link_radii_mm=())
 
-    with pytest.raises(TooFewCandidatesError, match="the best offers 0"):
+    with pytest.raises(TooFewCandidatesError, match="the best allows 0"):
         suggest(cell, PlacementRequest(poses=2, draws=8, moves=0, starts=1))

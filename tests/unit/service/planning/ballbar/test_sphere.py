@@ -100,13 +100,13 @@ def test_a_model_of_another_robot_commands_nothing():
     first, *others = _CELL.robot.joints
     taller = replace(_CELL.robot, joints=(replace(first, d_mm=first.d_mm + 40.0), *others))
 
-    with pytest.raises(ConfigurationError, match="the model is of another robot"):
+    with pytest.raises(ConfigurationError, match="the model is of a different robot"):
         plan_sphere(_CELL, _BALL, SpherePlanRequest((2,), 10, model_of(taller, nests=nests), model_id=7))
 
 
 @pytest.mark.parametrize("nests", [(), (1, 1), (4,)])
 def test_nests_that_are_none_are_refused(nests):
-    with pytest.raises(ConfigurationError, match="each of its tool nests once, out of 1 to 3"):
+    with pytest.raises(ConfigurationError, match="tool nests of a sphere test from 1 to 3, each only once"):
         plan_sphere(_CELL, _BALL, SpherePlanRequest(nests))
 
 
@@ -118,7 +118,9 @@ def test_a_nest_to_whose_stops_no_way_leads_is_said_however_many_the_others_have
 
     monkeypatch.setattr(sphere, "tour", without_the_second_nest)
 
-    with pytest.raises(TooFewCandidatesError, match="No clear way leads to enough stops of nest 2"):
+    with pytest.raises(
+        TooFewCandidatesError, match="No collision-free path to enough configurations of nest 2"
+    ):
         plan_sphere(_CELL, _BALL, SpherePlanRequest(stops=12))
 
 
@@ -132,5 +134,5 @@ def test_a_sphere_that_cannot_be_reached_is_said():
     held = plan_sphere(_CELL, _BALL, SpherePlanRequest((1,), 6)).placements[0].setups[0].joints_rad
     narrow = tuple(JointRange(q - 0.3, q + 0.3) for q in held)
 
-    with pytest.raises(TooFewCandidatesError, match="at 0 stops; 6 are needed"):
+    with pytest.raises(TooFewCandidatesError, match="in only 0 configurations; 6 are needed"):
         plan_sphere(replace(_CELL, ranges=narrow), _BALL, SpherePlanRequest((1,), 6))

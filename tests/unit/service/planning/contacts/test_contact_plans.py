@@ -143,18 +143,22 @@ def test_the_same_seed_plans_the_same_stops_and_another_one_others():
 @pytest.mark.parametrize(
     ("changes", "error", "sentence"),
     [
-        ({"targets": (replace(PLANE, place_mm=None),)}, WorkSpaceError, "Target 1 has no place"),
+        ({"targets": (replace(PLANE, place_mm=None),)}, WorkSpaceError, "Target 1 has no position"),
         ({"targets": (replace(SPHERES[0], zero_mm=None),)}, WorkSpaceError, "no zero_mm"),
         ({"nest": 4}, WorkSpaceError, "no tool nest 4"),
         ({"targets": (SPHERES[0], replace(DRUM, number=2))}, WorkSpaceError, "Target 2 is a wire"),
         ({"loop": "sensor", "targets": (BALL, replace(BALL, number=2))}, WorkSpaceError, "one ball"),
-        ({"axis": (0.0, 0.0, 0.0)}, WorkSpaceError, "axis of the tool has no length"),
+        ({"axis": (0.0, 0.0, 0.0)}, WorkSpaceError, "tool axis must not be a zero vector"),
         ({"targets": (replace(PLANE, normal=(0.0, 0.0, 0.0)),)}, WorkSpaceError, "normal of target 1"),
         ({"margin_mm": 2.5}, WorkSpaceError, "half the stroke"),
-        ({"clearance_mm": 5.0}, WorkSpaceError, "clearance must be longer than the stroke"),
+        ({"clearance_mm": 5.0}, WorkSpaceError, "clearance must be greater than the stroke"),
         ({"targets": ()}, WorkSpaceError, "no target"),
         ({"distances": (TargetDistance((1, 3), 240.0, 0.002),)}, WorkSpaceError, "two different targets"),
-        ({"targets": (replace(PLANE, place_mm=(2000.0, 0.0, 60.0)),)}, TooFewCandidatesError, "nearer"),
+        (
+            {"targets": (replace(PLANE, place_mm=(2000.0, 0.0, 60.0)),)},
+            TooFewCandidatesError,
+            "Move the targets",
+        ),
     ],
 )
 def test_what_cannot_be_planned_is_told(changes, error, sentence):
@@ -168,12 +172,14 @@ def test_gauges_that_read_against_each_other_leave_no_way_in():
         for number, normal in ((1, (1.0, 0.0, 0.0)), (2, (-1.0, 0.0, 0.0)))
     )
 
-    with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
+    with pytest.raises(
+        WorkSpaceError, match="normals of the targets that are read together cancel each other"
+    ):
         plan_of(CELL, ContactPlanRequest("gauges", against, 6, nest=2))
 
 
 def test_nothing_touches_a_sphere_at_its_centre():
-    with pytest.raises(WorkSpaceError, match="Target 1 reads 0 at its own centre"):
+    with pytest.raises(WorkSpaceError, match="zero_mm of target 1 must be greater than 0"):
         plan_of(CELL, replace(PROBE, targets=(replace(SPHERES[0], zero_mm=0.0),)))
 
 

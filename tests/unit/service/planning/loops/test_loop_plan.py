@@ -152,12 +152,12 @@ def test_a_level_plane_leaves_open_what_a_tilted_one_tells():
 def test_a_target_out_of_reach_is_named():
     far = (replace(BALL[0], place_mm=(3000.0, 0.0, 500.0)),)
 
-    with pytest.raises(TooFewCandidatesError, match="comes to target 1 in 0 of"):
+    with pytest.raises(TooFewCandidatesError, match="reaches target 1 in 0 of"):
         promised_loop(SPACE, LoopPlanRequest(far, (2,), 0.01), 20)
 
 
 def test_a_target_without_a_place_is_refused():
-    with pytest.raises(ConfigurationError, match="Target 2 has no place"):
+    with pytest.raises(ConfigurationError, match="Target 2 has no position"):
         LoopPlanRequest((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
 
 
@@ -168,14 +168,16 @@ def test_a_loop_without_targets_is_refused():
 
 @pytest.mark.parametrize("nests", [(), (4,)])
 def test_a_loop_is_read_at_nests_that_the_tool_has(nests):
-    with pytest.raises(ConfigurationError, match="at least one tool nest, each of 1 to 3"):
+    with pytest.raises(ConfigurationError, match=r"at least one tool nest. Choose from 1 to 3"):
         promised_loop(SPACE, LoopPlanRequest(SPHERES, nests, 0.001), 6)
 
 
 def test_gauges_at_one_place_that_read_against_each_other_leave_no_way_in():
     against = replace(GAUGES[0], number=2, normal=(-1.0, 0.0, 0.0))
 
-    with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
+    with pytest.raises(
+        WorkSpaceError, match="normals of the targets that are read together cancel each other"
+    ):
         promised_loop(SPACE, LoopPlanRequest((GAUGES[0], against), (1,), 0.001), 6)
 
 

@@ -59,7 +59,7 @@ def test_every_pose_has_its_six_legs_and_its_placement(plan):
 def test_no_more_poses_are_planned_than_the_arm_offers():
     offered = len(reach(ballbar_cell(), FIXTURES[0]))
 
-    with pytest.raises(TooFewCandidatesError, match=f"in {offered} from there"):
+    with pytest.raises(TooFewCandidatesError, match=f"only {offered} can be measured from these placements"):
         planned(offered + 1)
 
 

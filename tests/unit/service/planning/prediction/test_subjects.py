@@ -45,7 +45,7 @@ def test_a_robot_of_which_nobody_says_how_far_it_turns_is_refused_in_one_sentenc
     cell = domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)
     robot = replace(cell.robot, calibration_ranges=None, joint_limits=None)
 
-    with pytest.raises(ConfigurationError, match="says how far the joints turn; enter `calibration_deg`"):
+    with pytest.raises(ConfigurationError, match=r"Joint limits are missing .* Enter `calibration_deg`"):
         of_cell(replace(cell, robot=robot))
 
 

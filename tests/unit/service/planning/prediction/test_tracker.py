@@ -104,14 +104,14 @@ def test_three_configurations_leave_almost_everything_open(forty):
 
 @pytest.mark.parametrize("n", [0, -3])
 def test_no_configuration_at_all_cannot_be_asked_for(n):
-    with pytest.raises(ConfigurationError, match="at least one"):
+    with pytest.raises(ConfigurationError, match="must be at least 1"):
         planned(n)
 
 
 def test_lengths_are_measured_by_no_tracker_session(plan):
     of_lengths = replace(plan, nest=None, poses=BallbarPoses((), np.zeros(0, dtype=int), ()))
 
-    with pytest.raises(ConfigurationError, match="no tracker session measures them"):
+    with pytest.raises(ConfigurationError, match="a tracker session cannot measure them"):
         session_plan(of_lengths)
 
 
@@ -274,5 +274,7 @@ def test_where_every_configuration_that_is_seen_touches_the_arm_nothing_is_plann
     there = tuple(JointRange(angle - 1e-3, angle + 1e-3) for angle in touching.tolist())
 
     for n in (None, 4):
-        with pytest.raises(TooFewCandidatesError, match="none leaves arm and tool room"):
+        with pytest.raises(
+            TooFewCandidatesError, match=r"None of the .* leaves enough clearance for arm and tool"
+        ):
             planned(n, space=replace(inwards, ranges=there))

@@ -186,7 +186,7 @@ def test_three_angles_are_too_few():
 def test_a_table_in_which_all_joints_move_is_no_circle_test():
     joints = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 6))
 
-    with pytest.raises(ConfigurationError, match="turns one joint at a time"):
+    with pytest.raises(ConfigurationError, match="move one joint at a time"):
         circle_test(read_on(IRB_120, joints))
 
 

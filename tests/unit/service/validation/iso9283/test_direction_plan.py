@@ -62,11 +62,13 @@ def test_limits_choose_the_side_from_which_the_arm_comes(low_deg, high_deg, alon
 
 
 def test_a_direction_without_room_is_named():
-    with pytest.raises(ConfigurationError, match="all be approached along y of the base"):
+    with pytest.raises(
+        ConfigurationError, match="cannot all be approached from the same side along y of the base"
+    ):
         plan_directions(with_joint_1_between(1.6, 1.6), _POSES, _NEST, 20.0)
 
 
 @pytest.mark.parametrize("approach_mm", [0.0, -5.0, float("nan")])
 def test_an_approach_without_length_is_refused(approach_mm):
-    with pytest.raises(ConfigurationError, match="give one above 0 mm"):
+    with pytest.raises(ConfigurationError, match="approach distance must be greater than 0 mm"):
         plan_directions(IRB_120, _POSES, _NEST, approach_mm)

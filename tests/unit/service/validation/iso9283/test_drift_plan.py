@@ -59,7 +59,7 @@ def test_shorter_tests_have_the_first_groups():
 
 @pytest.mark.parametrize("hours", [0.0, 0.1, 8.5, float("nan")])
 def test_hours_that_are_none_are_refused(hours):
-    with pytest.raises(ConfigurationError, match="give between 10 min and 8 h"):
+    with pytest.raises(ConfigurationError, match="must be between 10 min and 8 h"):
         drift_session(_POSES, nest=1, hours=hours)
 
 

@@ -202,14 +202,14 @@ def test_a_spare_cycle_makes_up_for_a_lost_one():
     assert pose_performance(COMMANDED, seen.taken(kept)).withheld == ()
 
 
-@pytest.mark.parametrize(("n", "said"), [(1, "one is there"), (4, "4 are there"), (0, "0 are there")])
-def test_fewer_than_five_poses_are_refused(n, said):
-    with pytest.raises(ConfigurationError, match=rf"five poses P1 to P5; {said}"):
+@pytest.mark.parametrize("n", [1, 4, 0])
+def test_fewer_than_five_poses_are_refused(n):
+    with pytest.raises(ConfigurationError, match=rf"five poses P1 to P5 \(got {n}\)"):
         pose_performance(COMMANDED[:n], five_poses())
 
 
 def test_a_pose_that_is_commanded_twice_is_one():
-    with pytest.raises(ConfigurationError, match="five poses P1 to P5; 4 are there"):
+    with pytest.raises(ConfigurationError, match=r"five poses P1 to P5 \(got 4\)"):
         pose_performance((*COMMANDED[:4], COMMANDED[3]), five_poses())
 
 
@@ -224,12 +224,14 @@ def test_cycles_that_hold_one_end_only_give_no_distance():
 
 
 def test_a_distance_without_an_end_is_refused():
-    with pytest.raises(ConfigurationError, match="P4 is not among the commanded poses"):
+    with pytest.raises(ConfigurationError, match="P4 is missing from the commanded poses"):
         distance_performance(COMMANDED[:3], five_poses())
 
 
 def test_two_directions_are_refused():
-    with pytest.raises(ConfigurationError, match="vAP needs visits from three directions, and there are 2"):
+    with pytest.raises(
+        ConfigurationError, match=r"vAP requires measurements from three directions of approach \(got 2\)"
+    ):
         direction_performance([five_poses()] * 2)
 
 
@@ -262,7 +264,9 @@ def test_a_short_drift_is_withheld(groups, reason):
 
 @pytest.mark.parametrize("hours", [(0.0,), (0.0, 0.0), (8.0, 0.0)])
 def test_drift_without_order_is_refused(hours):
-    with pytest.raises(ConfigurationError, match="two groups of visits or more, in order of time"):
+    with pytest.raises(
+        ConfigurationError, match="at least two groups of repeat measurements, in chronological order"
+    ):
         drift(_ORIGIN, [group(h, (0.0, 0.0, 0.0)) for h in hours])
 
 
@@ -270,7 +274,7 @@ def test_a_pose_is_visited_once_a_cycle():
     pose, cycle = np.array([1, 1, 2, 3, 2]), np.array([1, 2, 2, 1, 2])
 
     assert len(Visits(pose[:4], cycle[:4], np.zeros((4, 3)), np.zeros(4))) == 4
-    with pytest.raises(ConfigurationError, match="P2 is there twice in cycle 2"):
+    with pytest.raises(ConfigurationError, match="P2 occurs twice in cycle 2"):
         Visits(pose, cycle, np.zeros((5, 3)), np.zeros(5))
 
 

@@ -218,7 +218,9 @@ def test_a_lost_visit_of_a_direction_is_named():
 
 
 def test_three_poses_without_directions_are_refused():
-    with pytest.raises(ConfigurationError, match=r"vAP needs to know from where each visit came"):
+    with pytest.raises(
+        ConfigurationError, match=r"vAP requires the direction of approach of each measurement"
+    ):
         pose_test(model(), restated(from_three_sides(), direction=None))
 
 
@@ -283,7 +285,7 @@ def test_other_tests_have_no_curve():
 
 
 def test_one_pose_alone_is_refused():
-    with pytest.raises(ConfigurationError, match="For AP and RP, measure five poses"):
+    with pytest.raises(ConfigurationError, match="for AP and RP, measure five poses"):
         pose_test(model(), restated(of_one_pose(8), group=None))
 
 
@@ -291,12 +293,12 @@ def test_one_pose_alone_is_refused():
 def test_another_number_of_poses_is_refused(n):
     joints = np.tile(_PLAN.joints_rad[:n], (30, 1))
 
-    with pytest.raises(ConfigurationError, match=f"The table holds {n} poses that were visited again"):
+    with pytest.raises(ConfigurationError, match=f"The table has {n} repeatedly measured poses"):
         pose_test(model(), points(joints, config=np.tile(np.arange(n), 30)))
 
 
 def test_a_table_without_revisits_is_no_test():
-    with pytest.raises(ConfigurationError, match="holds no pose that was visited again and again"):
+    with pytest.raises(ConfigurationError, match="The table has no repeatedly measured pose"):
         pose_test(model(), points(configurations(20)))
 
 
@@ -305,5 +307,5 @@ def test_lengths_are_no_attained_poses():
     stops = Stops(np.arange(3), np.zeros((3, 6)))
     legs = LegReadings(stops, one, one, one, np.full(3, 300.0), np.full(3, 0.001))
 
-    with pytest.raises(ConfigurationError, match="lengths of a ballbar are no attained poses"):
+    with pytest.raises(ConfigurationError, match="ballbar lengths cannot be used"):
         pose_test(model(), legs)

@@ -108,11 +108,11 @@ def test_a_cube_that_is_too_large_is_refused(cube, sentence):
 
 @pytest.mark.parametrize("edge_mm", [0.0, -200.0, float("nan"), float("inf")])
 def test_a_cube_without_edges_is_refused(edge_mm):
-    with pytest.raises(ConfigurationError, match="give one above 0 mm"):
+    with pytest.raises(ConfigurationError, match="cube edge must be greater than 0 mm"):
         Cube((370.0, 0.0, 400.0), edge_mm)
 
 
 @pytest.mark.parametrize("off", [float("nan"), float("inf")])
 def test_a_cube_that_is_nowhere_is_refused(off):
-    with pytest.raises(ConfigurationError, match="centre of the cube is no place"):
+    with pytest.raises(ConfigurationError, match="cube centre must be given as three numbers"):
         Cube((370.0, off, 400.0), 200.0)

@@ -164,7 +164,7 @@ def test_a_nest_with_one_length_is_named(stops):
 
 
 def test_a_campaign_without_lengths_is_refused(stops):
-    with pytest.raises(ConfigurationError, match="there is none"):
+    with pytest.raises(ConfigurationError, match="there are none"):
         sphere_test(replace(measured(stops), legs=None))
 
 
@@ -173,7 +173,7 @@ def test_other_bars_and_another_unit_are_refused(stops, factor):
     joints, nest = stops
     campaign = measured(stops)
 
-    with pytest.raises(ConfigurationError, match="these are other bars, or another unit"):
+    with pytest.raises(ConfigurationError, match="Check the ballbar and the unit"):
         sphere_test(replace(campaign, legs=legs_of(joints, nest, factor * campaign.legs.length_mm)))
 
 

@@ -78,6 +78,6 @@ def test_where_nothing_leaves_room_the_place_is_refused():
     tight = Surroundings(replace(cell, arm_room_mm=1000.0), fixture)
 
     with pytest.raises(
-        NoWayError, match="base point 3 of placement 1 the arm cannot back off so far that 70"
+        NoWayError, match="cannot retract from base point 3 of placement 1 far enough to leave 70"
     ):
         away(tight, held, NO_POSES, np.random.default_rng(0))

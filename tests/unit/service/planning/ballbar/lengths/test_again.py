@@ -60,8 +60,8 @@ def test_a_pose_that_cannot_be_coded_is_not_lost():
 
     (sentence,) = again.refusals
     kept = next(pose for pose in again.poses if pose.config == doubled.config)
-    assert f"Configuration {doubled.config} cannot be aimed" in sentence
-    assert "stays where it was planned" in sentence
+    assert f"Configuration {doubled.config} cannot be given coded ballbar lengths" in sentence
+    assert "stays as planned" in sentence
     assert kept.aimed_mm is None
     assert kept.joints_rad == doubled.joints_rad
 
@@ -74,7 +74,7 @@ def test_a_pose_whose_code_is_out_of_range_is_aimed_at_nominal_lengths():
 
     again = aimed_again(held, FIXTURE, [pose], lengths_with(FIXTURE.cups_mm), pose.joints_rad)
 
-    assert "all nominal" in again.refusals[0]
+    assert "all set to nominal" in again.refusals[0]
     assert again.poses[0].joints_rad == pytest.approx(pose.joints_rad, abs=1e-6)
 
 
@@ -124,7 +124,7 @@ def test_where_no_way_leads_to_where_the_arm_was_to_wait_it_waits_elsewhere():
 def test_an_arm_that_would_wait_where_the_next_fixture_comes_is_a_sentence():
     among_the_poses = base_fixture(2, frame(300, -200, 400, 0, -30, 60))
 
-    with pytest.raises(NoWayError, match="in the way while the base fixture is put to placement 2"):
+    with pytest.raises(NoWayError, match="in the way when the base fixture is moved to placement 2"):
         again_before(among_the_poses, POSES, POSES[0].config)
 
 
@@ -134,4 +134,5 @@ def test_a_pose_that_the_arm_cannot_go_to_clear_is_left_out_and_named():
     again = aimed_again(CELL, FIXTURE, [in_the_table, POSES[1]], lengths_with(FIXTURE.cups_mm), HERE)
 
     assert [pose.config for pose in again.poses] == [POSES[1].config]
-    assert f"No clear way leads to configuration {in_the_table.config}: it is left out." in again.refusals
+    missed = f"No collision-free path to configuration {in_the_table.config} was found; it is left out."
+    assert missed in again.refusals
