@@ -22,8 +22,8 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import Model
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.correction_request import CorrectionRequest
-from truepose.exchange.programs.formats import FORMATS, format_of, read_program
-from truepose.exchange.programs.program import Program, TargetConventions
+from truepose.exchange.programs.formats import FORMATS, format_of, read_program, supported_files
+from truepose.exchange.programs.program import UTF_16_MARKS, Program, TargetConventions
 from truepose.exchange.programs.program_correction import corrected_program
 from truepose.exchange.robots.named import with_known_limits
 from truepose.exchange.tables.table_reader import TableData
@@ -91,6 +91,7 @@ def correct_file(
     ConfigurationError
         It is of another robot, or the model needs measured torques.
     """
+    _require_text(name, data)
     model = with_known_limits(model)
     correct_one = _correct_table if is_table(name) else _correct_program
     answer = correct_one(model, name, data, asked, out, seen)
@@ -98,6 +99,14 @@ def correct_file(
     if not asked.as_written:
         answer.withheld = reason_to_withhold(answer.cautions, answer.summary.totals)
     return answer
+
+
+def _require_text(name: str, data: bytes) -> None:
+    """Refuse a picture or an archive as what it is, before the ending of its name counts."""
+    if b"\0" in data and not data.startswith(UTF_16_MARKS):
+        raise UnreadableFileError(
+            f"this is a binary file, not a robot program or a table; {supported_files()}", file=name
+        )
 
 
 def reason_to_withhold(cautions: tuple[Message, ...], totals: CorrectionTotals) -> Message | None:
@@ -117,6 +126,7 @@ def _out_of_reach(totals: CorrectionTotals) -> Message | None:
 
 def check_file(model: Model, name: str, data: bytes, asked: CorrectionRequest) -> int:
     """Return how many targets a file has that can be read; raises as `correct_file`."""
+    _require_text(name, data)
     if is_table(name):
         return sum(len(part.names) for part in _parts(model, name, data, asked))
     program = _program(model, name, data, asked)

@@ -240,10 +240,13 @@ def read_model_document(root: Node) -> Model:
     )
 
 
+NOT_A_MODEL: Final = f'this is not a model file; one begins with "format": "{FORMAT}"'
+
+
 def check_format(root: Node) -> None:
     """Refuse what is no model, or one of a later program, before anything else is looked at."""
     if not isinstance(root.value, dict) or root.value.get("format") != FORMAT:
-        root.fail(f'this is not a model file; one begins with "format": "{FORMAT}"', UnreadableFileError)
+        root.fail(NOT_A_MODEL, UnreadableFileError)
     version = root.key("version")
     number = version.whole(least=1)
     if number > VERSION:

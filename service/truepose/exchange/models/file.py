@@ -11,10 +11,11 @@ from truepose.domain.identification import Model, Unit
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import chosen_effects
 from truepose.exchange.document import Node, json_document, read_bytes
-from truepose.exchange.errors import NewerVersionError
+from truepose.exchange.errors import NewerVersionError, UnreadableFileError
 from truepose.exchange.json_text import Json, render_json
 from truepose.exchange.models.digest import Integrity, integrity_of, require_unedited
 from truepose.exchange.models.document import (
+    NOT_A_MODEL,
     check_format,
     file_factor,
     file_unit,
@@ -50,6 +51,8 @@ def model_file_from_text(text: bytes, name: str, *, accept_edited: bool = False)
     InputFileError
         It is cut off, of another kind, or a value in it cannot be meant.
     """
+    if b"\0" in text:  # a picture, say: that it is not UTF-8 would not help
+        raise UnreadableFileError(NOT_A_MODEL, file=name)
     root = json_document(name, text)
     check_format(root)
     # Before the values are read: an edit that no reader would notice is still an edit.

@@ -90,5 +90,10 @@ def format_of(name: str) -> Format:
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
+    raise UnreadableFileError(f"unknown file extension; {supported_files()}", file=name)
+
+
+def supported_files() -> str:
+    """Return which files of targets are read, for the end of a sentence."""
     listed = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
-    raise UnreadableFileError(f"unknown file extension; supported are tables (.csv), {listed}", file=name)
+    return f"supported files are tables (.csv), {listed}"

@@ -239,7 +239,7 @@ _LIMITS: Final = limits_of("number")
 _LONGEST_SHOWN: Final = 40
 _MOST_SHIFT: Final = 400.0  # of the point: what is shifted further is 0, or larger than any number
 _LINE_END: Final = re.compile(r"\r\n|\n|\r")
-_WIDE: Final = (b"\xff\xfe", b"\xfe\xff")
+UTF_16_MARKS: Final = (b"\xff\xfe", b"\xfe\xff")
 _MARK: Final = b"\xef\xbb\xbf"  # that a text is UTF-8
 
 
@@ -348,7 +348,7 @@ class Source:
 
 
 def _require_text(file: str, data: bytes) -> None:
-    if data.startswith(_WIDE):
+    if data.startswith(UTF_16_MARKS):
         sentence = "the text is UTF-16; save the file as UTF-8 or in the encoding of the controller"
     elif b"\0" in data:
         sentence = "this is a binary file; the program as text is required"

@@ -173,7 +173,7 @@ SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q
 @pytest.mark.parametrize(
     ("name", "data", "options", "sentence"),
     [
-        ("weld.txt", PROGRAM, {}, "weld.txt: unknown file extension; supported are"),
+        ("weld.txt", PROGRAM, {}, "weld.txt: unknown file extension; supported files are"),
         ("weld.mod", PROGRAM[:-20], {}, "weld.mod, line 4"),
         ("weld.mod", b"", {}, "weld.mod: the file is empty"),
         ("weld.mod", PROGRAM.decode("latin-1").encode("utf-16"), {}, "weld.mod: the text is UTF-16"),

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from tests.helpers.commands import answer, typed
+from tests.helpers.commands import answer, assert_one_sentence, typed
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.exchange.rows import read_rows
 from tests.helpers.identification.models import model_of, plain_parameters, registered
@@ -91,6 +91,29 @@ def test_a_file_that_is_no_model_is_refused(run, model):
 
     assert (status, rows) == (2, None)
     assert "robot.json" in said.stderr
+
+
+PICTURE = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\xff"
+
+
+@pytest.mark.parametrize("name", ["picture.png", "picture.mod", "picture.csv"])
+def test_a_picture_is_no_robot_program_and_the_kinds_that_are_read_are_named(model, tmp_path, name):
+    picture = tmp_path / name
+    picture.write_bytes(PICTURE)
+
+    done = typed("correct", model, picture, "--out", tmp_path / "out")
+
+    kinds = ("tables (.csv)", "ABB RAPID (.mod .sys .prg)", "KUKA KRL (.src .dat)", "URScript (.script)")
+    assert_one_sentence(done, f"{name}: this is a binary file, not a robot program or a table", *kinds)
+
+
+def test_a_picture_in_the_place_of_a_model_is_refused_as_no_model_file(tmp_path):
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(PICTURE)
+
+    done = typed("correct", picture, tmp_path / "weld.mod", "--out", tmp_path / "out.mod")
+
+    assert_one_sentence(done, "picture.png: this is not a model file")
 
 
 def test_the_answer_is_given_in_french_where_that_is_asked_for(run):
