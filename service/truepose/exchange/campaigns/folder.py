@@ -67,8 +67,17 @@ def read_campaign(folder: Path) -> Campaign:
         raise MissingFileError("there is no such campaign folder", file=str(folder))
     if not folder.is_dir():
         raise UnreadableFileError(_no_campaign(folder), file=str(folder))
-    most = {DESCRIPTION: GREATEST_DESCRIPTION_BYTES}
-    return campaign_from(lambda name: read_bytes(folder / name, most=most.get(name, GREATEST_BYTES)))
+    return campaign_from(lambda name: _content(folder / name))
+
+
+def _content(file: Path) -> bytes:
+    """Return a file of a campaign; a description that is missing is named with its folder."""
+    if file.name != DESCRIPTION:
+        return read_bytes(file, most=GREATEST_BYTES)
+    try:
+        return read_bytes(file, most=GREATEST_DESCRIPTION_BYTES)
+    except MissingFileError as error:
+        raise MissingFileError("there is no such file", file=str(file)) from error
 
 
 def _no_campaign(file: Path) -> str:
