@@ -75,8 +75,8 @@ def in_folder(folder: Path) -> list[ArchivedCampaign]:
     ]
     if not found:
         raise ConfigurationError(
-            f"{folder} holds no campaign: give a folder of campaign folders (each with {DESCRIPTION}) or of "
-            "zips, or a database."
+            f"No campaign found in {folder}. Give a folder of campaign folders (each with {DESCRIPTION}) or "
+            "zip files, or a database."
         )
     return found
 
@@ -120,7 +120,7 @@ def in_database(url: str) -> Iterator[list[ArchivedCampaign]]:
         # From one snapshot: a service may add campaigns meanwhile, which the next run finds.
         found = [*_own(database, runner), *_collected(database, runner)]
         if not found:
-            raise ConfigurationError(f"{display_address(url)} holds no campaign.")
+            raise ConfigurationError(f"No campaign found in the database {display_address(url)}.")
         yield found
 
 
@@ -276,6 +276,6 @@ def _results_of(out: Path) -> Path:
     folder = out / _RESULTS
     if not folder.is_dir():
         raise ConfigurationError(
-            f"{out} holds no results of an earlier run; give the folder that --out named."
+            f"No results of an earlier run found in {out}. Give the folder that --out named in that run."
         )
     return folder

@@ -273,7 +273,7 @@ class JobService:
         try:
             await self.mark_interrupted(message("job.service_stopped"))
         except RecordRefusedError as error:  # the next service finds them and says so itself
-            _LOG.warning("jobs under way could not be put on record as interrupted: %s", error)
+            _LOG.warning("running jobs could not be recorded as interrupted: %s", error)
 
 
 async def _chosen_clear(plan: SessionPlan) -> str:

@@ -78,7 +78,7 @@ def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(a
     assert (found["robots"], found["instruments"], found["campaigns"]) == (["arm 0", "arm 1"], ["tracker"], 3)
     assert [one["campaign"] for one in found["left_out"]] == ["robot-01-month-1"]
     assert without == 2
-    assert sentence.startswith("No campaign can be compared. robot-00-month-0: Nobody says its robot_serial")
+    assert sentence.startswith("No campaign can be compared. robot-00-month-0: Not stated: robot_serial")
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_a_table_that_cannot_be_meant_is_a_sentence(archive, tmp_path, rows, sen
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (("--type", "another"), "No campaign is of the type 'another'; there are ABB IRB 120 (4)."),
+        (("--type", "another"), "No campaign has robot type 'another'; available types: ABB IRB 120 (4)."),
         (("--limit", "0"), "--limit 0: give a size above 0 mm."),
         (("--growth", "-1"), "--growth -1: give a size above 0 mm."),
         (("--check", "nowhere/check.csv"), "the folder nowhere does not exist"),

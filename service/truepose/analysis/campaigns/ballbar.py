@@ -158,20 +158,20 @@ def _setups(setups: Sequence[ValidCupSetup]) -> CupSetups | None:
 
 def _notes(name: str, setup: SessionSetup, kit: BallbarKit, counting: ValidReadings) -> Iterator[str]:
     cell = setup.cell
-    yield f"The legs are those of {name} on {cell.name}."
+    yield f"Ballbar lengths from {name} on {cell.name}."
     if setup.simulated:
-        yield "SIMULATED: no robot and no instrument took part."
+        yield "SIMULATED: no real robot or instrument was used."
     lengths = [side.length for side in counting.sides] + [leg.length for leg in counting.legs]
     yield from _ballbars(kit.instrument, lengths)
     yield f"Calibrator: {_paper(kit.calibrator)}"
     for bars in (kit.tool_bars, kit.base_bars):
         yield (
-            f"Lengths of {bars.nominal_mm:g} mm count from a calibrator of {bars.calibrator_mm:.4f} mm "
+            f"Lengths of {bars.nominal_mm:g} mm are referred to a calibrator of {bars.calibrator_mm:.4f} mm "
             f"(standard uncertainty {bars.calibrator_u_mm:.4f} mm)."
         )
     if counting.exchanged:
         numbers = ", ".join(str(config) for config in counting.exchanged)
-        yield f"Left out, because their legs had been exchanged: poses {numbers}."
+        yield f"Left out because their lengths had been swapped: poses {numbers}."
     yield from counting.skipped
     yield from cell.conditions.notes
 
@@ -180,7 +180,7 @@ def _ballbars(owner: Artefact, lengths: Sequence[LengthTaken]) -> Iterator[str]:
     """Say which ballbars measured: the paper of the owner's own, and of another what is not known of it."""
     kept_with = Counter((length.instrument_serial, _has_paper(length, owner)) for length in lengths)
     if len(kept_with) > 1:
-        yield "More than one ballbar measured; each length counts from a zero of its own instrument."
+        yield "More than one ballbar was used; each length is referred to the zero of its own instrument."
     for (serial, has_paper), count in kept_with.items():
         if has_paper:
             yield f"Ballbar: {_paper(owner, serial)}"
@@ -191,8 +191,8 @@ def _ballbars(owner: Artefact, lengths: Sequence[LengthTaken]) -> Iterator[str]:
             if length.instrument_serial == serial and not _has_paper(length, owner)
         )
         yield (
-            f"Ballbar without a certificate, serial number {serial or 'not told'}: how true its lengths are "
-            f"is not known. {count} of them count with a standard uncertainty of up to {u_mm:.4f} mm."
+            f"Ballbar without a certificate, serial number {serial or 'not stated'}: the accuracy of its "
+            f"lengths is unknown. Lengths used: {count}, with a standard uncertainty of up to {u_mm:.4f} mm."
         )
 
 

@@ -51,7 +51,7 @@ def contact_campaign(
         instrument_serial_number=only_serial(
             entry.serial_number for entry in cell.devices if entry.name in gauges
         ),
-        notes=(f"Contacts are those of {name}: {plan.loop}.",),
+        notes=(f"Contacts from {name}: {plan.loop}.",),
     )
 
 
@@ -66,7 +66,7 @@ def judged_by_contacts(
         raise SessionsDifferError(message("refused.other_targets", name=name))
     if not taken:
         raise NothingMeasuredError(message("refused.no_reading", name=name))
-    notes = (*campaign.notes, f"Validation contacts are those of {name}.")
+    notes = (*campaign.notes, f"Validation contacts from {name}.")
     return replace(campaign, validation_contacts=contact_readings(taken), notes=notes)
 
 

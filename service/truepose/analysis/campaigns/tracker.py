@@ -44,7 +44,7 @@ def _first(sentences: tuple[str, ...]) -> tuple[str, ...]:
     if len(sentences) <= _MOST_SENTENCES:
         return sentences
     more = len(sentences) - _MOST_SENTENCES
-    return (*sentences[:_MOST_SENTENCES], f"There are {more} more like these in the archive.")
+    return (*sentences[:_MOST_SENTENCES], f"The archive lists {more} more like these.")
 
 
 def _rows(table: Sized | None) -> int:
@@ -128,7 +128,7 @@ def with_validation_points(
         ]),
         notes=(
             *campaign.notes,
-            f"Validation readings are those of session {validation.id}.",
+            f"Validation readings from session {validation.id}.",
             *_trackers([validation]),
         ),
     )
@@ -229,16 +229,16 @@ def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession)
 
 def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> Iterator[str]:
     cell = calibration.setup.cell
-    yield f"Calibration readings are those of session {calibration.id} on {cell.name}."
+    yield f"Calibration readings from session {calibration.id} on {cell.name}."
     if validation is not None:
-        yield f"Validation readings are those of session {validation.id}."
+        yield f"Validation readings from session {validation.id}."
     sessions = [calibration] if validation is None else [calibration, validation]
     if any(session.setup.simulated for session in sessions):
-        yield "SIMULATED: no robot and no instrument took part."
+        yield "SIMULATED: no real robot or instrument was used."
     if cell.camera is not None:
         yield (
-            "The world of the readings is the camera's own frame, put where the cell file says that it "
-            "stands: absolute positions are positions before the camera."
+            "The world frame of the readings is the camera frame, placed at the camera pose stated in the "
+            "cell file: absolute positions are positions relative to the camera."
         )
     yield from _trackers(sessions)
     for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
@@ -257,8 +257,8 @@ def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:
         yield f"Tracker: {_tracker_paper(serial, sessions)}"
         return
     yield (
-        "More than one tracker measured: each was placed in the world by a registration of its own, and the "
-        "uncertainty of the world frame is that of the latest one only."
+        "More than one tracker was used: each was registered to the world frame separately, and the stated "
+        "uncertainty of the world frame is that of the latest registration only."
     )
     for serial, count in counts.items():
         yield f"Tracker: {_tracker_paper(serial, sessions)} Readings: {count}."
@@ -268,4 +268,4 @@ def _tracker_paper(serial: str, sessions: Sequence[MeasuredSession]) -> str:
     """Return serial number and certificate: a certificate holds for the number it was stated with."""
     entries = [entry for session in sessions for entry in session.setup.cell.devices]
     found = (entry.certificate for entry in entries if serial and entry.serial_number == serial)
-    return f"serial number {serial or 'not told'}, certificate {next(found, '') or 'not stated'}."
+    return f"serial number {serial or 'not stated'}, certificate {next(found, '') or 'not stated'}."

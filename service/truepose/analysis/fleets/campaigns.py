@@ -120,24 +120,24 @@ def unfit_of(entries: Sequence[Entry]) -> Iterator[tuple[Entry, str]]:
         elif one.told.robot.joints != usual[0][0]:
             yield one, _OTHER_TABLE
         elif readings in before:
-            yield one, f"It has the same readings as {before[readings]}: they count once."
+            yield one, f"It has the same readings as {before[readings]}; they are counted once."
         else:
             before[readings] = one.campaign
 
 
 _OTHER_TABLE = (
-    "Its nominal table of the robot is another than that of most campaigns of this type, and parameters "
-    "count from that table: give it the table of the others, or a type of its own."
+    "Its nominal robot table differs from that of most campaigns of this type, and parameters are relative "
+    "to that table. Give it the same table as the others, or a type of its own."
 )
 
 
 def unlike_sentence(one: OutlyingCampaign) -> str:
     """Return in a sentence why a campaign is not compared with the others of its robot."""
     day = date.fromordinal(int(one.day)).isoformat()
-    other = f"It fits {one.resembles}" if one.resembles else "It fits no other robot of the fleet"
+    other = f"It matches {one.resembles}" if one.resembles else "It matches no other robot in the fleet"
     return (
-        f"On {day} {one.robot} is unlike itself on its other days. {other}: look which robot, tool and nests "
-        "were measured; if all are right, measure it again."
+        f"The campaign of {day} does not match the other campaigns of {one.robot}. {other}. Check which "
+        "robot, tool and nests were measured; if all are correct, measure again."
     )
 
 
@@ -151,4 +151,4 @@ def _lacking(stated: Stated) -> str:
     lacking = [name for name, value in known.items() if not value]
     if not lacking:
         return ""
-    return f"Nobody says its {', '.join(lacking)}: write that into its campaign.json, or give a table."
+    return f"Not stated: {', '.join(lacking)}. Add it to its campaign.json, or give a table."

@@ -50,15 +50,17 @@ def grown_in(account: Account, campaign: Campaign, asked_mm: float) -> tuple[str
     robot, day = campaign.robot_serial_number, campaign.measured_on
     if robot not in account.fleet.robots:
         known = ", ".join(account.fleet.robots[:_NAMED])
+        named = f"robot {robot!r}, which is not in this fleet" if robot else "no robot of this fleet"
         raise ConfigurationError(
-            f"The check is of the robot {robot or 'that nobody names'!r}, which is none of these ({known}): "
-            "write its robot_serial_number into its campaign.json."
+            f"robot_serial_number: the check names {named} ({known}). Set robot_serial_number in its "
+            "campaign.json."
         )
     own = account.fleet.day[account.fleet.robot == account.fleet.robots.index(robot)]
     if day is None or day.toordinal() <= own.max():
         raise ConfigurationError(
-            f"A check is measured after the last campaign of {robot}, and this one says that it was measured "
-            f"on {day or 'no day'}: give its measured_on, and leave it out of the archive."
+            f"measured_on: a check must be measured after the last campaign of {robot}, but the date of this "
+            f"one is {day or 'not stated'}. Set measured_on in its campaign.json, and keep it out of the "
+            "archive."
         )
     told = information_of(campaign, effects_of_robot(campaign))
     return robot, grown(account, robot, told, asked_mm)
@@ -68,7 +70,7 @@ def _subject(robot: str, campaign: Campaign) -> Subject:
     answer = identify(campaign)
     if answer.model is None:
         raise ConfigurationError(
-            f"Nothing can be planned from the last campaign of {robot}: {english(answer.message)}"
+            f"No check can be planned from the last campaign of {robot}: {english(answer.message)}"
         )
     # What the usual effects lack, the fleet has as parameters of its own: waves and gaps.
     return of_campaign(campaign, answer.model).lacking(0.0)

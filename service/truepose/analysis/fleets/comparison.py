@@ -241,8 +241,8 @@ def _check_named(campaigns: Sequence[ArchivedCampaign], visits: Mapping[str, Sta
     unknown = sorted(visits.keys() - {campaign.name for campaign in campaigns})
     if unknown:
         raise ConfigurationError(
-            f"The table names {unknown[0]!r}, and the archive has no campaign of that name; it has "
-            f"{campaigns[0].name!r}, for instance."
+            f"The table names campaign {unknown[0]!r}, which is not in the archive; the archive contains, "
+            f"for example, {campaigns[0].name!r}."
         )
 
 
@@ -251,9 +251,9 @@ def _type_wanted(of_type: str | None, names: Sequence[str]) -> str:
     counts = Counter(names)
     listed = ", ".join(f"{name} ({count})" for name, count in sorted(counts.items())) or "none"
     if of_type is not None and of_type not in counts:
-        raise ConfigurationError(f"No campaign is of the type {of_type!r}; there are {listed}.")
+        raise ConfigurationError(f"No campaign has robot type {of_type!r}; available types: {listed}.")
     if of_type is None and len(counts) > 1:
-        raise ConfigurationError(f"The campaigns are of several types, {listed}: say which with --type.")
+        raise ConfigurationError(f"The campaigns are of several types: {listed}. Choose one with --type.")
     return of_type or next(iter(counts), "")
 
 
@@ -269,6 +269,6 @@ def _check_enough(measured: Sequence[FleetCampaign], left_out: Sequence[LeftOut]
         days.setdefault(one.robot, set()).add(one.day)
     if len(days) > 1 and max(map(len, days.values())) < _FEWEST_VISITS:
         raise ConfigurationError(
-            f"{len(days)} robots were measured on one day each: what changes shows where a robot was "
-            "measured on two days at least."
+            f"{len(days)} robots were measured on one day each. To detect changes, at least one robot must "
+            "be measured on two days or more."
         )

@@ -141,7 +141,7 @@ class JobQueue:
             # A cancellation is on record before the worker is killed. A result that comes in between is too
             # late; it is no fault of the program.
             except ConflictError as error:
-                _LOG.info("job %d has an end on record already: %s", job_id, error)
+                _LOG.info("job %d is already recorded as ended: %s", job_id, error)
 
     async def _end_of(self, job_id: int, job: _Job, work: Work, began_s: float) -> None:
         """See a job to its end; raises ConflictError where somebody else has put one on record."""
@@ -175,7 +175,7 @@ class JobQueue:
                     raise
                 # One line for each wait: on a full disk it may be tried for hours.
                 if job.refused is None:
-                    _LOG.warning("what is to be kept of job %d waits in memory: %s", job_id, error)
+                    _LOG.warning("records of job %d wait in memory to be stored: %s", job_id, error)
                 job.refused = error.text
             await self._jobs.writable()
             # Storage may take other records and refuse this one still: without a pause this would spin.

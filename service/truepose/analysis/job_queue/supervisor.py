@@ -118,7 +118,7 @@ async def perform_in_worker(
         )
     except OSError as error:
         raise WorkerDiedError(message("job.no_process", why=str(error))) from error
-    _LOG.info("worker %d has begun: %s", process.pid, type(task).__name__)
+    _LOG.info("worker %d started: %s", process.pid, type(task).__name__)
     log: deque[str] = deque(maxlen=_LOG_LINES)
     listening = asyncio.create_task(_keep_log(process, log))
     try:
@@ -133,7 +133,7 @@ async def perform_in_worker(
         listening.cancel()
         await asyncio.wait({listening})
         await _drained(process)
-        _LOG.info("worker %d has ended", process.pid)
+        _LOG.info("worker %d ended", process.pid)
 
 
 async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:

@@ -62,15 +62,15 @@ def has_dask() -> bool:
 def _require_dask() -> None:
     if not has_dask():
         raise ConfigurationError(
-            "Workers on Dask need its package, which is not installed: pip install 'truepose[dask]', or "
-            "leave --workers out."
+            "Dask workers need the Dask package, which is not installed: run pip install 'truepose[dask]', "
+            "or omit --workers."
         )
 
 
 def _misunderstood(where: str) -> ConfigurationError:
     return ConfigurationError(
-        f"--workers {where}: give a number of processes, `dask` for Dask on this computer, or "
-        "dask://host:port of its scheduler."
+        f"--workers {where}: give a number of processes, `dask` for Dask workers on this computer, or "
+        "dask://host:port for a Dask scheduler."
     )
 
 

@@ -35,16 +35,16 @@ class Arithmetic:
         for name in ("truepose", "python", "numpy", "scipy"):
             here, there = getattr(self, name), getattr(other, name)
             if here != there:
-                return f"has {name} {there} where this program has {here}; install the same there"
+                return f"has {name} {there}, but this program has {here}; install the same version there"
         if other.threads != self.threads:
             return (
-                f"computes with {other.threads} threads of linear algebra; start it with "
+                f"uses {other.threads} linear algebra threads; start it with "
                 f"{' '.join(f'{name}=1' for name in ONE_THREAD)}"
             )
         if other.sample != self.sample:
             return (
-                "has a processor whose arithmetic rounds otherwise; set the same OPENBLAS_CORETYPE and "
-                "NPY_DISABLE_CPU_FEATURES here and there (docs/computing.md)"
+                "has a processor that rounds differently; set the same OPENBLAS_CORETYPE and "
+                "NPY_DISABLE_CPU_FEATURES on both computers (docs/computing.md)"
             )
         return ""
 

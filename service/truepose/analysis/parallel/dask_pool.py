@@ -106,8 +106,8 @@ class DaskPlaces:
             self._there_s = now_s
         elif now_s - self._there_s > _WITHOUT_S:
             raise ClusterError(
-                f"No worker has been left for {_WITHOUT_S:.0f} s; what came before stands. To go on, "
-                f"{self._mended}, then start this command again."
+                f"There has been no worker for {_WITHOUT_S:.0f} s; results so far are kept. To continue, "
+                f"{self._mended}, then run this command again."
             )
 
     def _count_threads(self) -> int:
@@ -121,7 +121,7 @@ def _perform(task: Task, expected: Arithmetic) -> Reply:
     """Perform a task on a worker, unless its bits would not be those of the others."""
     # On the worker, before its first part: one that joined after the work began was asked by nobody else
     # (decision 0063).
-    _require_alike(expected, arithmetic(), "A worker that joined")
+    _require_alike(expected, arithmetic(), "A worker that joined later")
     return task.perform()
 
 
@@ -135,8 +135,8 @@ def _of_error(found: BaseException | None) -> Reply:
 
 def _gone() -> ClusterError:
     return ClusterError(
-        "The scheduler of the workers is gone or dropped what it was given; what came before stands. "
-        "Start it again, then this command: it goes on from there."
+        "The Dask scheduler stopped or dropped its tasks; results so far are kept. "
+        "Restart it, then run this command again: it continues from there."
     )
 
 
@@ -157,7 +157,7 @@ def _alike(client: Client) -> Arithmetic:
             continue  # it is gone
         if not isinstance(found, Arithmetic):
             raise WorkersUnlikeError(
-                f"Worker {address} cannot say what it computes with ({type(found).__name__}: {found}): "
+                f"Worker {address} cannot report its arithmetic ({type(found).__name__}: {found}): "
                 f"install truepose {own.truepose} there."
             )
         _require_alike(own, found, f"Worker {address}")
@@ -200,16 +200,17 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
     try:
         client = Client(url, timeout=_PATIENCE_S, set_as_default=False, security=_security(encrypted))
     except (OSError, ValueError) as error:
-        how = "and do both trust the other's certificate" if encrypted else "and does it do without TLS"
+        how = "that each side trusts the other's certificate" if encrypted else "that it does not require TLS"
         raise ClusterError(
-            f"No Dask scheduler answers at {url} ({error}); is it running, reachable from here, {how}?"
+            f"No Dask scheduler answers at {url} ({error}). Check that it is running, that it can be reached "
+            f"from here, and {how}."
         ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=_PATIENCE_S)
         except TimeoutError as error:
             raise ClusterError(
-                f"The scheduler at {url} has no worker; start one: dask worker {url}"
+                f"The Dask scheduler at {url} has no worker. Start one: dask worker {url}"
             ) from error
         yield DaskPlaces(client, f"start one (dask worker {url})")
 
@@ -219,7 +220,7 @@ def _security(encrypted: bool) -> Security:
     security = Security()
     if encrypted and security.get_connection_args("client")["ssl_context"] is None:
         raise ClusterError(
-            "Dask's configuration asks for TLS and names no certificate of this command: enter ca-file, and "
+            "The Dask configuration requires TLS but names no certificate for this command. Set ca-file, and "
             "cert and key of the client, under distributed.comm.tls (docs/computing.md)."
         )
     return security
@@ -251,7 +252,7 @@ def of_this_computer(count: int) -> Iterator[DaskPlaces]:
     ):
         kept = _LocalWorkers(cluster, count)
         kept.await_all(client)
-        yield DaskPlaces(client, "free memory of this computer", kept.again)
+        yield DaskPlaces(client, "free some memory on this computer", kept.again)
 
 
 class _LocalWorkers:
@@ -284,7 +285,7 @@ class _LocalWorkers:
             time.sleep(LOOKED_S / 10.0)
         if not found:
             raise ClusterError(
-                "No worker of this computer stays alive; free memory of it, or leave `dask` out of --workers."
+                "No worker stays alive on this computer. Free some memory, or do not use `dask` in --workers."
             )
 
 

@@ -127,8 +127,8 @@ class Processes:
             )
         except OSError as error:
             raise ClusterError(
-                f"No worker process could be started ({error}); free memory or processes of this computer, "
-                "then start it again."
+                f"No worker process could be started ({error}). Free some memory or end other processes on "
+                "this computer, then try again."
             ) from error
         worker = _WorkerProcess(process, self._answers)
         self._workers.append(worker)

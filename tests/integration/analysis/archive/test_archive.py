@@ -162,7 +162,7 @@ def test_zips_and_folders_of_the_same_campaign_give_the_same(archive, results, t
 
 
 def test_a_folder_without_campaigns_and_one_without_results_are_refused(archive, tmp_path):
-    with pytest.raises(ConfigurationError, match="holds no campaign"):
+    with pytest.raises(ConfigurationError, match="No campaign found in"):
         in_folder(tmp_path)
-    with pytest.raises(ConfigurationError, match="holds no results"):
+    with pytest.raises(ConfigurationError, match="No results of an earlier run found"):
         computed(archive, tmp_path / "out", against=tmp_path)

@@ -56,7 +56,7 @@ def test_a_database_without_campaigns_is_refused(tmp_path):
     url = f"sqlite:///{tmp_path / 'empty.sqlite3'}"
     Database(url).close()
 
-    with pytest.raises(ConfigurationError, match="holds no campaign"), in_database(url):
+    with pytest.raises(ConfigurationError, match="No campaign found in the database"), in_database(url):
         pass
 
 

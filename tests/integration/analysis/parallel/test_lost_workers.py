@@ -72,7 +72,7 @@ def test_where_no_worker_is_left_what_came_stands_and_a_sentence_says_what_to_do
         first = next(outcomes)
         cluster.scale(0)
         with pytest.raises(
-            ClusterError, match=r"came before stands\. To go on, start one \(dask worker tcp:"
+            ClusterError, match=r"so far are kept\. To continue, start one \(dask worker tcp:"
         ):
             next(outcomes)
         HELD.set()

@@ -79,7 +79,7 @@ def test_what_fails_is_named_and_the_others_go_on(two):
 def test_an_answer_that_cannot_travel_is_a_failure_of_its_part(two):
     (outcome,) = two.outcomes(cannot_travel, _parts([1]))
 
-    assert "The program failed at this part" in outcome.why
+    assert "The program failed on this part" in outcome.why
 
 
 def test_answers_of_which_one_is_missing_are_none(two):

@@ -109,7 +109,7 @@ def test_points_of_a_tracker_session_judge_a_campaign_of_legs_and_identify_nothi
 
     assert campaign.calibration is None
     assert len(campaign.validation) == 2
-    assert campaign.notes == ("legs", "Validation readings are those of session 5.")
+    assert campaign.notes == ("legs", "Validation readings from session 5.")
 
 
 def test_legs_that_a_tracker_judges_are_of_no_one_instrument():
@@ -150,7 +150,7 @@ def test_readings_of_two_trackers_are_told_apart_with_what_that_means():
 
     notes = assemble_campaign(measured(setup=with_tracker("390003", "KZ-4711"), points=points)).notes
 
-    assert any("registration of its own" in note for note in notes)
+    assert any("registered to the world frame separately" in note for note in notes)
     assert "Tracker: serial number 390003, certificate KZ-4711. Readings: 2." in notes
     assert "Tracker: serial number 777777, certificate not stated. Readings: 1." in notes
 
@@ -189,7 +189,7 @@ def test_poses_keep_their_orientations_and_how_well_the_artefact_is_known():
     assert campaign.calibration.quaternion.tolist() == [list(TURN)] * 2
     assert campaign.calibration.rotation_uncertainty_rad.tolist() == [5e-4] * 2
     assert campaign.tool_rotation_uncertainty_rad == 4e-4
-    assert any("the camera's own frame" in note for note in campaign.notes)
+    assert any("is the camera frame, placed at the camera pose" in note for note in campaign.notes)
 
 
 def test_orientations_that_only_some_readings_have_are_no_column():

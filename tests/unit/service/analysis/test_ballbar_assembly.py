@@ -134,7 +134,7 @@ def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_u
 
     assert campaign.legs.standard_uncertainty_mm.tolist() == [0.0017, 0.0017, 0.0052]
     notes = " ".join(campaign.notes)
-    assert "More than one ballbar measured" in notes
+    assert "More than one ballbar was used" in notes
     assert "Ballbar: QC20-W, serial number L20042, certificate report 7, valid until 2027-01-31." in notes
     assert "Ballbar without a certificate, serial number B-9" in notes
     assert "0.0052 mm" in notes

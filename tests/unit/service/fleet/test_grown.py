@@ -67,8 +67,8 @@ def test_what_has_grown_is_told_with_its_size(account):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"robot": "robot 7"}, "robot 'robot 7', which is none of these .robot 00, robot 01, robot 02."),
-        ({"robot": ""}, "'that nobody names'"),
+        ({"robot": "robot 7"}, "robot 'robot 7', which is not in this fleet .robot 00, robot 01, robot 02."),
+        ({"robot": ""}, "the check names no robot of this fleet .robot 00,"),
         ({"days": 30}, "measured after the last campaign of robot 01"),
     ],
 )
