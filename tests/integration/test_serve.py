@@ -258,7 +258,7 @@ def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
         time.sleep(0.05)
 
     assert health["status"] == "degraded"
-    assert health["fault"] == "The simulated cell has ended with status -9; start the service again."
+    assert health["fault"] == "The simulated cell has ended with status -9; restart the service."
     assert get(f"{url}/api/v1/simulated-faults").status_code == 503
     assert "The simulated cell does not answer." in get(f"{url}/faults").text
     refused = post(f"{url}/api/v1/devices/tracker/connect")
@@ -281,7 +281,9 @@ def test_a_port_in_use_is_one_sentence_and_status_3(database_url, refused):
         status, out, err = refused(Settings(database_url, port=port))
 
     assert (status, out) == (3, "")
-    assert err.startswith(f"Another program listens at 127.0.0.1:{port}: end it, or choose another --port.")
+    assert err.startswith(
+        f"Another program is listening at 127.0.0.1:{port}: stop it, or choose another --port."
+    )
     assert err.endswith(" [TP-7003]\n")
     assert err.count("\n") == 1
 
@@ -303,7 +305,7 @@ def test_faults_on_order_are_for_simulated_cells(database_url, tmp_path, refused
     status, out, err = refused(replace(cell, simulated_faults=tmp_path / "morning.toml"))
 
     assert (status, out) == (2, "")
-    assert "only a simulated cell has faults on order" in err
+    assert "faults can be scripted only in a simulated cell" in err
     assert err.count("\n") == 1
 
 

@@ -174,7 +174,7 @@ async def _simulation(
     if cell.simulated is None:
         if faults is not None:
             raise ScenarioRefusedError(
-                f"{faults}: only a simulated cell has faults on order; this one is real."
+                f"{faults}: faults can be scripted only in a simulated cell; this one is real."
             )
         return None
     pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace

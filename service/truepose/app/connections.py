@@ -113,10 +113,10 @@ class Census:
             if connection is not newcomer and (since_s := connection.incomplete_since()) is not None
         ]
         if not waiting and newcomer is not None:
-            self._cut(newcomer, "came when all others were under way")
+            self._cut(newcomer, "arrived while all others were busy")
         waiting.sort(key=lambda entry: entry[:2])
         for _, _, connection in waiting[: max(1, len(among) // _SHARE)]:
-            self._cut(connection, "waited longest when there were too many")
+            self._cut(connection, "had waited longest when there were too many")
 
     def _cut(self, connection: Connection, reason: str) -> None:
         self._closed[reason] += 1

@@ -17,7 +17,7 @@ _MALFORMED: Final = {
     "type": "urn:truepose:problem:bad-request",
     "title": HTTPStatus.BAD_REQUEST.phrase,
     "status": HTTPStatus.BAD_REQUEST.value,
-    "detail": "This is no HTTP request.",
+    "detail": "This is not an HTTP request.",
     "instance": "/",
 }
 
@@ -97,17 +97,17 @@ class WatchedProtocol(H11Protocol):
         """Say why the connection has to be closed; None where it has not."""
         limits = self._census.limits
         if self._unread(now_s):
-            return "did not read their answer"
+            return "did not read their response"
         if self.transport.is_closing():
             return None
         if self.conn.their_state is h11.IDLE:
             late = not self._is_idle and now_s - self._head_since_s > limits.head_s
-            return "sent no whole request in time" if late else None
+            return "sent no complete request in time" if late else None
         if self.conn.their_state is h11.SEND_BODY:
             if self.flow.read_paused:  # it is we who do not read
                 self._body.begin(now_s)
             late = self._body.too_slow(now_s) or self._body.lasted(now_s) > limits.body_s
-            return "sent a body too slowly" if late else None
+            return "sent the request body too slowly" if late else None
         return None
 
     def cut(self) -> None:

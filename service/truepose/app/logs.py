@@ -47,7 +47,7 @@ class FewRepeats(logging.Filter):
         began_s, count = self._seen.get(key, (now_s, 0))
         if now_s - began_s >= _WINDOW_S:
             if count > burst:
-                record.msg = f"{record.getMessage()} (and {count - burst} lines like it, not written)"
+                record.msg = f"{record.getMessage()} (and {count - burst} similar lines, not written)"
                 record.args = ()
             began_s, count = now_s, 0
         if len(self._seen) >= _MOST_KEYS:

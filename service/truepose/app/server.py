@@ -36,10 +36,10 @@ from truepose.web.middleware.hosts import AddressError, AllowedHosts, Proxies
 from truepose_drivers.errors import DriverError
 
 _OPEN: Final = (
-    "--no-accounts lets in whoever reaches the service, so it is for this computer alone: leave "
-    "out --host, --allowed-host and --behind-proxy, or leave out --no-accounts."
+    "--no-accounts admits anyone who can reach the service, so it is allowed on this computer only: remove "
+    "--host, --allowed-host and --behind-proxy, or remove --no-accounts."
 )
-_HALF: Final = "TLS needs both: --tls-certificate FILE and --tls-key FILE."
+_HALF: Final = "TLS needs both --tls-certificate FILE and --tls-key FILE."
 
 
 def require_safe(settings: Settings) -> None:
@@ -64,7 +64,8 @@ def speak_tls(config: uvicorn.Config, settings: Settings) -> str:
         context.load_cert_chain(settings.tls_certificate, settings.tls_key)
     except (OSError, ssl.SSLError) as error:
         raise UnsafeStartError(
-            f"{settings.tls_certificate} and {settings.tls_key} are no certificate and its key ({error})."
+            f"{settings.tls_certificate} and {settings.tls_key} cannot be used as certificate and key "
+            f"({error})."
         ) from error
     config.ssl = context
     return "https"
@@ -185,7 +186,7 @@ async def _serve(settings: Settings, served: ServiceDefinition[C], lines_lost: C
                     await server.serve([listener])
                 finally:
                     telling.cancel()
-    _LOG.info("ended in order")
+    _LOG.info("stopped cleanly")
 
 
 class _Server(uvicorn.Server):
@@ -225,9 +226,9 @@ class _Server(uvicorn.Server):
 
 def _cannot_listen(host: str, port: int, error: Exception) -> str:
     if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
-        return f"Another program listens at {host}:{port}: end it, or choose another --port."
+        return f"Another program is listening at {host}:{port}: stop it, or choose another --port."
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return f"Nothing can listen at {host}:{port} ({reason}): choose another --host or --port."
+    return f"Cannot listen at {host}:{port} ({reason}): choose another --host or --port."
 
 
 @contextlib.contextmanager
@@ -254,7 +255,7 @@ def _said(context: ServiceContext, url: str) -> dict[str, str]:
         return {"url": url}
     link = f"{url}/first-person/{accounts.first_secret}"
     # Not through the log, which is kept.
-    sys.stderr.write(f"Nobody is entered yet. The first person, an administrator, enters here: {link}\n")
+    sys.stderr.write(f"There are no accounts yet. Create the first one, an administrator, here: {link}\n")
     return {"url": url, "first_person": link}
 
 

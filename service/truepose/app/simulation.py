@@ -51,7 +51,7 @@ class Simulation:
         status = self._process.returncode
         if status is None:
             return None
-        return f"The simulated cell has ended with status {status}; start the service again."
+        return f"The simulated cell has ended with status {status}; restart the service."
 
     async def ask_of_faults(self, request: Mapping[str, object]) -> dict[str, Any]:
         """Put a question to the endpoint of the cell's faults; raises ConnectionLostError."""
@@ -112,7 +112,7 @@ async def _endpoints(process: asyncio.subprocess.Process, needed: Set[str]) -> t
                     status = await process.wait()
                     if status == _UNUSABLE_INPUT:
                         raise ScenarioRefusedError(
-                            "The simulated cell cannot be what was asked for; see above."
+                            "The simulated cell cannot be set up as requested; see above."
                         )
                     raise SimulationFailedError(
                         f"The simulated cell ended with status {status} before it was ready; see above."

@@ -43,7 +43,7 @@ def opened_database(url: str) -> Database:
     found = put_ready_in_place(file)
     if found is not None:
         head, kept = found
-        before = "" if kept is None else f"; what was there is kept as {kept}"
+        before = "" if kept is None else f"; the previous database is kept as {kept}"
         _LOG.warning("%s: %d records restored, chain head %s%s", file, head.links, head.text, before)
     return Database(url)
 
@@ -60,7 +60,7 @@ def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSch
     if settings.backups is None:
         return None
     copies = BackupSchedule(settings.database_url, settings.backups)
-    beside(stack, copies.follow, "copies of the database")
+    beside(stack, copies.follow, "backup schedule")
     return copies
 
 
@@ -80,7 +80,7 @@ async def _keep_up(work: Callable[[], Coroutine[None, None, None]], name: str) -
         # Whatever it is: nobody waits for this task, so that its end would show nowhere, and a service
         # without it would go on as if it were watched.
         except Exception:
-            _LOG.exception("the %s ended by a fault; it begins again in %.0f s", name, _AGAIN_S)
+            _LOG.exception("the %s failed; it restarts in %.0f s", name, _AGAIN_S)
         await asyncio.sleep(_AGAIN_S)
 
 

@@ -79,7 +79,7 @@ class ActLog:
                     await self._wait_for_disk(text_of(error))
         finally:
             if self._waiting or self._lost:
-                _LOG.error("%d acts could not be put on record", len(self._waiting) + self._lost)
+                _LOG.error("%d actions could not be recorded", len(self._waiting) + self._lost)
 
     async def _wait_for_disk(self, why: Text) -> None:
         """Return once the disk may take records again, or the end is asked for: a full one delays no end."""
@@ -112,4 +112,4 @@ class ActLog:
             try:
                 await self._stored.add([act])
             except ConflictError as error:
-                _LOG.error("an act of %s could not be put on record: %s", act.operation, error)
+                _LOG.error("an action of %s could not be recorded: %s", act.operation, error)

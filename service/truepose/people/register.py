@@ -236,7 +236,7 @@ class Register:
                     await self._settle()
         finally:
             if self._owed:
-                _LOG.error("%d revocations could not be put on record", len(self._owed))
+                _LOG.error("%d revocations could not be recorded", len(self._owed))
 
     async def _settle(self) -> None:
         for by in {*self._owed.values()}:

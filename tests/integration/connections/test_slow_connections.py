@@ -142,7 +142,7 @@ async def test_what_is_no_http_gets_a_problem_with_all_headers(port):
 
     assert head.startswith(b"HTTP/1.1 400")
     assert b"x-frame-options: DENY" in head
-    assert json.loads(body)["detail"] == "This is no HTTP request."
+    assert json.loads(body)["detail"] == "This is not an HTTP request."
     writer.close()
 
 

@@ -41,4 +41,4 @@ def test_the_demo_ends_well_where_calls_of_posix_are_missing(without_posix, tmp_
 
     assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
     assert (tmp_path / "result.json").is_file()
-    assert "ended in order" in (tmp_path / "service.log").read_text(encoding="utf-8")
+    assert "stopped cleanly" in (tmp_path / "service.log").read_text(encoding="utf-8")

@@ -24,7 +24,7 @@ def test_much_of_the_same_is_five_lines_and_a_count():
     lines = written([*storm, (11.0, line("no more %s", "files"))])
 
     assert len(lines) == 6
-    assert lines[-1] == "no more files (and 995 lines like it, not written)"
+    assert lines[-1] == "no more files (and 995 similar lines, not written)"
 
 
 def test_what_strangers_cause_counts_as_one_whatever_it_says():

@@ -45,7 +45,7 @@ async def test_an_act_that_cannot_be_kept_leaves_all_others_on_record(place, cap
     await following
 
     assert records.kept == [*acts, replace(ACT, status=404)]
-    assert "could not be put on record" in caplog.text
+    assert "could not be recorded" in caplog.text
 
 
 class FullDisk:
@@ -80,7 +80,7 @@ async def test_a_full_disk_keeps_no_service_from_ending(caplog):
     log.end()
     await asyncio.wait_for(following, HANGS_S)
 
-    assert "1 acts could not be put on record" in caplog.text
+    assert "1 actions could not be recorded" in caplog.text
 
 
 @pytest.mark.parametrize(
