@@ -46,10 +46,10 @@ def clock_seen(answers: Sequence[ClockAnswer]) -> ClockSeen:
 
 
 _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
-_LATE: Final = "no answer for half a minute, or no connection in ten seconds"
+_LATE: Final = "no response within 30 s, or no connection within 10 s"
 _ANSWER_S: Final = 60.0  # for an answer of next to nothing; and a second more for each of so many bytes
 _SLOWEST: Final = 1000.0
-_SLOW: Final = "its answer comes with less than a thousand bytes a second"
+_SLOW: Final = "its response arrives at less than 1000 bytes per second"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
 # A refusal of megabytes once stood on the plant's first page (commit 7835de1b).
 _LONGEST: Final = 500  # letters of what a cell says to people
@@ -119,7 +119,7 @@ class CellClient:
                 clock=ClockAnswer(asked_at, took_s, _moment(told["time"])),
             )
         except _UNREADABLE as error:
-            raise self._no_cell(f"its head cannot be read ({error})") from error
+            raise self._no_cell(f"the head of its chain cannot be read ({error})") from error
 
     async def links(self, after: int, limit: int) -> CellPage:
         """Return links above a number; raises CellAnswerError, also for a page that was cut off."""
@@ -139,14 +139,14 @@ class CellClient:
         try:
             body = json.dumps(said, allow_nan=False).encode()
         except ValueError:  # kept by a version that took such numbers
-            return PushReply(None, "It holds a number that is not finite, which JSON cannot say")
+            return PushReply(None, "It contains a number that is not finite, which JSON cannot represent")
         headers = {"Content-Type": "application/json", "Idempotency-Key": key}
         status, answer = await self._asked("POST", "/hand-downs", content=body, headers=headers)
         if status == _CREATED:
             return PushReply(self._created(answer), "")
         if status in _REFUSED and _said(answer, "type").startswith(_OURS):
             return PushReply(None, _detail(answer))
-        raise self._no_cell(f"it answers {status}: {_detail(answer)}")
+        raise self._no_cell(f"it returned status {status}: {_detail(answer)}")
 
     async def close(self) -> None:
         """Let go of the connection."""
@@ -157,7 +157,7 @@ class CellClient:
     async def _get(self, path: str, parameters: dict[str, int]) -> bytes:
         status, body = await self._asked("GET", path, params=parameters)
         if status != httpx.codes.OK:
-            raise self._no_cell(f"it answers {status}: {_detail(body)}")
+            raise self._no_cell(f"it returned status {status}: {_detail(body)}")
         return body
 
     async def _asked(self, method: str, path: str, **asked: Any) -> tuple[int, bytes]:
@@ -177,14 +177,14 @@ class CellClient:
         try:
             return _number(json.loads(answer)["id"])
         except _UNREADABLE as error:
-            raise self._no_cell(f"what it says to a hand-down cannot be read ({error})") from error
+            raise self._no_cell(f"its reply to a deployment cannot be read ({error})") from error
 
     async def _body(self, answer: httpx.Response, patience: asyncio.Timeout) -> bytes:
         body = bytearray()
         async for part in answer.aiter_bytes():
             body += part
             if len(body) > _MOST_BYTES:
-                raise self._no_cell("what it sends has no end")
+                raise self._no_cell(f"its response is longer than {_MOST_BYTES // 2**20} MB")
             # More time for what has come, at a least rate: the time-outs of the client begin anew with every
             # byte, and a cell that sent one now and then held its visit up for ever (commit 7835de1b).
             patience.reschedule((patience.when() or 0.0) + len(part) / _SLOWEST)
@@ -214,7 +214,7 @@ class CellClient:
         except (OSError, ValueError) as error:
             raise self._no_token(file, f"cannot be read ({error})") from error
         if not _TOKEN.fullmatch(token):
-            raise self._no_token(file, "holds no token")
+            raise self._no_token(file, "contains no token")
         return token
 
     def _trusted(self) -> ssl.SSLContext:
@@ -222,14 +222,15 @@ class CellClient:
             return _trusted(self._cell)
         except OSError as error:
             raise CellAnswerError(
-                f"{self._cell.name} is not asked: its certificate file {self._cell.certificate} cannot be "
-                f"used ({error.strerror or error}); it is the PEM file that it shows, or of who signed it."
+                f"{self._cell.name} is not contacted: its certificate file {self._cell.certificate} cannot "
+                f"be used ({error.strerror or error}). Give the PEM file of the cell's certificate or of its "
+                "issuer."
             ) from error
 
     def _no_token(self, file: Path, said: str) -> CellAnswerError:
         return CellAnswerError(
-            f"{self._cell.name} is not asked: its token file {file} {said}; write into it the secret that "
-            "'truepose people token' printed, as plain text."
+            f"{self._cell.name} is not contacted: its token file {file} {said}. Put the secret printed by "
+            "'truepose people token' into it as plain text."
         )
 
     def _unreachable(self, error: Exception) -> CellSilentError:
@@ -237,7 +238,7 @@ class CellClient:
         return CellSilentError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
 
     def _no_cell(self, said: str) -> CellAnswerError:
-        return CellAnswerError(f"{self._cell.name} does not answer as a cell does: {said}.")
+        return CellAnswerError(f"{self._cell.name} does not respond like a truepose cell: {said}.")
 
 
 def _wall_time() -> datetime:
@@ -268,20 +269,20 @@ def _of_system(error: BaseException | None) -> str:
 
 def _number(told: Any) -> int:
     if type(told) is not int or told not in _NUMBERS:
-        raise ValueError(f"{told!r:.40} is no number of a record")
+        raise ValueError(f"{told!r:.40} is not a record number")
     return told
 
 
 def _text(told: Any) -> str:
     if not isinstance(told, str) or not told.isprintable() or len(told) > _LONGEST:
-        raise ValueError(f"{told!r:.40} is no text")
+        raise ValueError(f"{told!r:.40} is not printable text")
     return told
 
 
 def _moment(told: Any) -> datetime:
     moment = datetime.fromisoformat(told)
     if moment.tzinfo is None:
-        raise ValueError(f"{told!r:.40} is a time without a zone")
+        raise ValueError(f"{told!r:.40} is a time without a time zone")
     return moment
 
 
@@ -303,7 +304,7 @@ def _public() -> ssl.SSLContext:
 
 
 def _detail(body: bytes) -> str:
-    return _said(body, "detail").rstrip(".") or "without a sentence"
+    return _said(body, "detail").rstrip(".") or "no reason given"
 
 
 def _said(body: bytes, name: str) -> str:

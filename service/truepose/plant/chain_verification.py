@@ -44,7 +44,7 @@ def verify_page(
         link = _link(line)
         if link.link != position + len(links) + 1:
             raise UnreadableRowError(
-                f"Link {position + len(links) + 1} of the chain comes next; the cell sent link {link.link}."
+                f"Link {position + len(links) + 1} of the chain is expected; the cell sent link {link.link}."
             )
         links.append(link)
         _require_own(link, after.get(link.stream, GENESIS))
@@ -54,7 +54,7 @@ def verify_page(
 
 def _link(line: Any) -> CollectedLink:
     if not isinstance(line, dict):
-        raise UnreadableRowError(f"The cell sent {line!r:.60}, which is no link.")
+        raise UnreadableRowError(f"The cell sent {line!r:.60}, which is not a link of the chain.")
     content = line.get("row", line.get("told"))
     try:
         return CollectedLink(
@@ -68,13 +68,15 @@ def _link(line: Any) -> CollectedLink:
             verified=line.get("row") is not None,
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise UnreadableRowError(f"The cell sent {line!r:.120}, which is no link ({error}).") from error
+        raise UnreadableRowError(
+            f"The cell sent {line!r:.120}, which is not a link of the chain ({error})."
+        ) from error
 
 
 def _whole(line: Mapping[str, Any], name: str) -> int:
     found = line[name]
     if type(found) is not int or found not in WHOLE_NUMBERS:
-        raise TypeError(f"{name} is no whole number of 64 bits")
+        raise TypeError(f"{name} is not a 64-bit integer")
     return found
 
 
@@ -87,14 +89,14 @@ def _text(content: Any) -> str:
 def _table(line: Mapping[str, Any]) -> str:
     found = line["record"]
     if not isinstance(found, str) or not found.isidentifier():
-        raise TypeError("record is no name of a table")
+        raise TypeError("record is not a table name")
     return found
 
 
 def _hash(line: Mapping[str, Any]) -> bytes:
     found = bytes.fromhex(line["hash"])
     if len(found) != _HASH_BYTES:
-        raise ValueError("the hash does not have 32 bytes")
+        raise ValueError("the hash is not 32 bytes long")
     return found
 
 
@@ -102,12 +104,12 @@ def _require_own(link: CollectedLink, before: bytes) -> None:
     if link.row is None:
         if link.record in LEAVING:
             raise TamperedRecordError(
-                f"The cell keeps back {_named(link)}, which leaves every cell. Have 'truepose verify' look "
-                "through the cell's database."
+                f"The cell withholds {_named(link)}, which every cell must send. Check the cell's database "
+                "with 'truepose verify'."
             )
         return
     if not link.verified and link.record not in _TOLD:
-        raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
+        raise TamperedRecordError(f"The cell sent {_named(link)} in altered form.")
     names, values = tuple(link.row), tuple(link.row.values())
     # A record that is told without its secret has another hash; its number and stream are the link's all the
     # same (commit 34577c71).
@@ -115,8 +117,8 @@ def _require_own(link: CollectedLink, before: bytes) -> None:
     is_as_written = not link.verified or linked_hash(before, link.record, names, values) == link.hash
     if not (is_of_link and is_as_written):
         raise TamperedRecordError(
-            f"{_named(link).capitalize()} is not as it was written; nothing of this page was kept. "
-            "Have 'truepose verify' look through the cell's database."
+            f"{_named(link).capitalize()} is not as it was written; nothing from this page was stored. "
+            "Check the cell's database with 'truepose verify'."
         )
 
 

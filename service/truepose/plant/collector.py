@@ -67,7 +67,7 @@ async def visit(name: str, cell: CellClient, shelves: PlantRepositories) -> Visi
         _LOG.warning("a page of %s was refused", name, exc_info=True)
         # Taken for a page that somebody else had collected, such a record left no line and no visit
         # (33fac5c5).
-        unfit = ConflictError(f"{name} sends records that cannot be kept here: {error}")
+        unfit = ConflictError(f"{name} sends records that cannot be stored here: {error}")
         return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, unfit)
 
 
@@ -85,7 +85,7 @@ async def _collected(
         # Off the loop: a page may have megabytes, and whoever looks at the plant waits for none of them.
         links, heads = await asyncio.to_thread(verify_page, page.lines, position, heads)
         if not links:
-            raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
+            raise CellAnswerError(f"{name} has {newest} links but sends none after link {position}.")
         await shelves.journal.keep(known.branch, links, begun.clock)
         position, newest = links[-1].link, page.newest
     waits = await _handed_down(name, cell, shelves.hand_downs)
@@ -102,7 +102,7 @@ async def _handed_down(name: str, cell: CellClient, hand_downs: HandDownReposito
         except CellAnswerError as error:
             # What a proxy, a missing right or an older version answers may pass: it keeps none of the others
             # behind it (commit 2c1645d5). A cell that is silent is asked for no more.
-            waits = waits or f"All is collected, and hand-down {record.id} waits: {error}"
+            waits = waits or f"All records are collected, but deployment {record.id} is waiting: {error}"
             if isinstance(error, CellSilentError):
                 break
             continue
@@ -126,9 +126,10 @@ async def _another_chain(
         cell, known.branch, min(known.position, begun.newest or 0), shelves.journal
     )
     error = AnotherChainError(
-        f"{name} shows another chain than the one collected from it: {known.position} links were collected, "
-        f"and only the first {common} are there as they were. Where a copy was put back or a disk exchanged, "
-        "accept the other chain; else look which database the cell has open. Nothing is collected until then."
+        f"{name} has a different chain from the one collected: {known.position} links were collected, of "
+        f"which only the first {common} are still there unchanged. If a backup was restored or a disk "
+        "replaced, accept the new chain; otherwise check which database the cell has open. Nothing is "
+        "collected until then."
     )
     return replace(begun, outcome=Outcome.ANOTHER_CHAIN, sentence=str(error), fork=common)
 
@@ -226,7 +227,7 @@ class Collector:
         try:
             found = await self.visit(name)
         except (StorageUnavailableError, CollectedMeanwhileError) as error:  # the plant's own disk
-            _LOG.warning("the visit to %s was not kept: %s", name, error)
+            _LOG.warning("the visit to %s could not be recorded: %s", name, error)
             return False
         except Exception as error:  # whatever a cell makes go wrong here, no other cell waits for it
             _LOG.exception("the visit to %s failed", name)
@@ -235,15 +236,15 @@ class Collector:
         if found.sentence:
             _LOG.warning("visit to %s: %s", name, found.sentence)
         elif failures:
-            _LOG.info("visit to %s: all is collected again, %d links came", name, found.collected)
+            _LOG.info("visit to %s: collection works again, %d links collected", name, found.collected)
         return found.outcome is Outcome.WHOLE
 
     async def _note_failed(self, name: str, error: Exception) -> None:
-        sentence = f"The visit to {name} failed in the plant ({type(error).__name__}); its log says where."
+        sentence = f"The visit to {name} failed in the plant service ({type(error).__name__}); see its log."
         try:
             await self._visits.keep(name, Visit(Outcome.REFUSED, sentence))
         except Exception:
-            _LOG.exception("that the visit to %s failed was not kept", name)
+            _LOG.exception("the failed visit to %s could not be recorded", name)
 
 
 @contextlib.asynccontextmanager

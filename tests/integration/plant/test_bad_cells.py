@@ -82,7 +82,7 @@ async def test_a_visit_that_fails_is_told_and_every_other_cell_is_visited(plant,
     assert follow.has_ended
     assert left.visit.outcome is Outcome.REFUSED
     assert left.visit.sentence == (
-        "The visit to left arm failed in the plant (ValueError); its log says where."
+        "The visit to left arm failed in the plant service (ValueError); see its log."
     )
     assert "of a kind that nobody foresaw" in caplog.text
 
@@ -103,7 +103,9 @@ async def test_a_visit_that_fails_is_told_and_every_other_cell_is_visited(plant,
     ],
 )
 async def test_a_head_that_cannot_be_read_is_said(wrong):
-    with pytest.raises(CellAnswerError, match="left arm does not answer as a cell does: its head"):
+    with pytest.raises(
+        CellAnswerError, match="left arm does not respond like a truepose cell: the head of its chain"
+    ):
         await asked(body=wrong).head()
 
 
@@ -137,7 +139,7 @@ async def test_an_answer_that_comes_byte_by_byte_is_not_waited_for(monkeypatch):
     )
     monkeypatch.setattr(cell_client, "_SLOWEST", float("inf"))
 
-    with pytest.raises(CellSilentError, match=r"http://localhost \(its answer comes with"):
+    with pytest.raises(CellSilentError, match=r"http://localhost \(its response arrives at"):
         await cell.head()
 
 
@@ -145,7 +147,7 @@ async def test_what_a_cell_says_to_people_is_cut_where_nobody_would_read_on():
     with pytest.raises(CellAnswerError) as raised:
         await asked(503, json.dumps({"detail": "No\0\ud800" * 1000}).encode()).head()
 
-    assert str(raised.value).endswith("it answers 503: " + "No  " * 125 + ".")
+    assert str(raised.value).endswith("it returned status 503: " + "No  " * 125 + ".")
 
 
 def hand_down(document):
@@ -155,7 +157,7 @@ def hand_down(document):
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"id": "1"}', b'{"id": %d}' % 2**63])
 async def test_a_hand_down_taken_in_words_that_nobody_understands_is_not_taken(body):
-    with pytest.raises(CellAnswerError, match="what it says to a hand-down cannot be read"):
+    with pytest.raises(CellAnswerError, match="its reply to a deployment cannot be read"):
         await asked(201, body).hand_down(hand_down({}), "key")
 
 
@@ -164,7 +166,7 @@ async def test_a_hand_down_that_was_kept_and_cannot_be_sent_is_refused_and_not_t
 
     assert (handed.number, handed.sentence) == (
         None,
-        "It holds a number that is not finite, which JSON cannot say",
+        "It contains a number that is not finite, which JSON cannot represent",
     )
 
 
@@ -172,9 +174,9 @@ async def test_a_hand_down_that_was_kept_and_cannot_be_sent_is_refused_and_not_t
     ("written", "said"),
     [
         ("tp-secret".encode("utf-16"), "cannot be read"),
-        ("tp-secrét".encode(), "holds no token"),
-        (b"tp-secret\nanother", "holds no token"),
-        (b"", "holds no token"),
+        ("tp-secrét".encode(), "contains no token"),
+        (b"tp-secret\nanother", "contains no token"),
+        (b"", "contains no token"),
         (None, "cannot be read"),
     ],
 )
@@ -187,7 +189,7 @@ async def test_a_token_that_cannot_be_used_is_said_with_its_file(tmp_path, writt
     with pytest.raises(CellAnswerError) as raised:
         await asked(cell=cell, body=json.dumps(GOOD).encode()).head()
 
-    assert f"left arm is not asked: its token file {file} {said}" in str(raised.value)
+    assert f"left arm is not contacted: its token file {file} {said}" in str(raised.value)
 
 
 async def test_a_token_as_an_editor_of_windows_saves_it_is_used(tmp_path):
@@ -250,7 +252,7 @@ async def test_records_that_cannot_be_kept_are_refused_with_a_visit_and_a_line_i
     found = await plant.visit(None, transport=cell_with(2))
 
     assert found.outcome is Outcome.REFUSED
-    assert found.sentence.startswith("left arm sends records that cannot be kept here: The records do not")
+    assert found.sentence.startswith("left arm sends records that cannot be stored here: The records do not")
     assert (await plant.visits.newest())["left arm"].visit.sentence == found.sentence
     assert await plant.kept() == []
     assert "a page of left arm was refused" in caplog.text
@@ -307,7 +309,9 @@ async def test_what_passes_keeps_a_hand_down_waiting_and_collecting_goes_on(plan
     found = await plant.visit(None, transport=cell_with(1, first_not))
 
     assert (found.outcome, found.collected) == (Outcome.WHOLE, 1)
-    assert found.sentence.startswith(f"All is collected, and hand-down {first} waits: left arm does not")
+    assert found.sentence.startswith(
+        f"All records are collected, but deployment {first} is waiting: left arm does not"
+    )
     states = [(await plant.hand_downs.get(number)).state for number in (first, behind)]
     assert states == [HandDownState.WAITING, HandDownState.DELIVERED]
 

@@ -371,7 +371,7 @@ async def test_a_cell_restored_from_an_older_copy_is_not_mixed_in(open_cell, pla
         silent = await plant.visit(cell)
 
         assert (found.outcome, found.fork) == (Outcome.ANOTHER_CHAIN, common)
-        assert f"only the first {common} are there as they were" in found.sentence
+        assert f"only the first {common} are still there unchanged" in found.sentence
         assert silent.outcome is Outcome.ANOTHER_CHAIN
         assert len(await plant.kept()) == collected
 

@@ -356,7 +356,7 @@ async def shown_another_chain(service, cell):
     await service.here.collector.visit("left arm")
     known = await service.here.journal.collected(await service.here.journal.reached("left arm"))
     there, fork = known.position + 3, known.position - 2
-    sentence = "left arm shows another chain than the one collected from it."
+    sentence = "left arm has a different chain from the one collected."
     parted = Visit(Outcome.ANOTHER_CHAIN, sentence, newest=there, head=known.head.text, fork=fork)
     await service.here.visits.keep("left arm", parted)
     return fork
