@@ -183,7 +183,7 @@ async def _model(client: ServiceClient, model_id: int | None, file: Path) -> Mod
 
 async def _truth(address: tuple[str, int], campaign: Campaign, cell: Cell) -> TrueReadings:
     if campaign.calibration is None or campaign.validation is None:
-        raise TruthUnknownError("The campaign has no readings whose truth could be asked.")
+        raise TruthUnknownError("The campaign has no readings to compare with their true values.")
     async with cell_endpoint(*address) as endpoint:
         shown = camera_artefact(cell)
         if shown is not None:

@@ -34,7 +34,7 @@ async def open_client(url: str) -> AsyncIterator["ServiceClient"]:
             yield ServiceClient(http)
     except httpx.TransportError as error:
         raise ServiceFailedError(
-            f"The service at {url} does not answer any more ({type(error).__name__}); see its log."
+            f"The service at {url} stopped responding ({type(error).__name__}); see its log."
         ) from error
 
 
@@ -117,7 +117,9 @@ class ServiceClient:
                     told(round(_PERCENT * event["fraction"]), _PERCENT, event["doing"])
                 elif kind == "job.state" and event["state"] in _ENDED_JOB:
                     return _made(job_id, event, told)
-        raise ServiceFailedError(f"The service ended its events before job {job_id} had ended; see its log.")
+        raise ServiceFailedError(
+            f"The service closed its event stream before job {job_id} ended; see its log."
+        )
 
     async def result_of(self, job_id: int, kind: str, told: Told) -> dict[str, Any]:
         """Follow a job to its end and return its record, one of `kind`; raises JobFailedError."""
@@ -141,7 +143,7 @@ class ServiceClient:
                             f"Session {session_id} is {_words(event['state'])}: {event['reason']}"
                         )
                     moved = moved or event["state"] == "running"
-        raise ServiceFailedError(f"The service ended its events before session {session_id} had ended.")
+        raise ServiceFailedError(f"The service closed its event stream before session {session_id} ended.")
 
     async def begin(self, session_id: int) -> None:
         """Ask for a session to start; it then waits for a person."""
@@ -204,7 +206,7 @@ def _reason(answer: httpx.Response) -> str:
 
 def _made(job_id: int, event: dict[str, Any], told: Told) -> int:
     if event["state"] != "succeeded" or event["result_id"] is None:
-        raise JobFailedError(f"Job {job_id} has {_words(event['state'])}: {event['message']}")
+        raise JobFailedError(f"Job {job_id} {_words(event['state'])}: {event['message']}")
     told(_PERCENT, _PERCENT, event["message"])
     return int(event["result_id"])
 

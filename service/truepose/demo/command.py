@@ -73,7 +73,7 @@ def show_result(judged: JudgedRun, out: Path) -> None:
     if judged.errors is None:
         console.print(english(judged.identification.message), soft_wrap=True, markup=False)
     else:
-        title = "True errors of the identified model, mm: the simulator's knowledge"
+        title = "True errors of the identified model, mm (from the simulator)"
         console.print(on_terminal(_errors_table(judged.errors), title))
         console.print(on_terminal(truth_table(judged.parameters), IN_ENGLISH.say("terminal.truth")))
     for line in diagnosis_lines(judged.run.diagnosis["document"]):
@@ -98,7 +98,7 @@ def _verdict(run: CellRun) -> str:
         return "Identified and validated."
     if run.validation is None:
         return "No model was identified."
-    return "The model was not validated." if run.converged else "The identification did not converge."
+    return "The model failed validation." if run.converged else "The identification did not converge."
 
 
 _FAILED: Final = 1
@@ -170,4 +170,4 @@ def _kept(out: Path) -> str:
     database = out / DATABASE
     if not database.exists():
         return "nothing had been measured yet"
-    return f"what was measured until then is kept in {database}"
+    return f"the measurements so far are kept in {database}"

@@ -194,7 +194,7 @@ class SimulatedOperator:
             if answer.status_code in {httpx.codes.NOT_FOUND, httpx.codes.UNPROCESSABLE_ENTITY}:
                 raise RequestRefusedError(f"The service refused {method} {path}: {answer.text}")
             return answer
-        raise ServiceFailedError(f"The service does not answer {method} {path} any more; see its log.")
+        raise ServiceFailedError(f"The service stopped responding to {method} {path}; see its log.")
 
     async def _send(
         self, method: str, path: str, body: dict[str, Any] | None, key: str | None

@@ -35,19 +35,19 @@ class BadLine:
     def note(self) -> str:
         """What is tried."""
         return (
-            f"{self.to_codec} damaged answers to its codec, {self.inputs} in its conversation, and"
-            f" {_LINK_FAULTS} faults of the link"
+            f"{self.to_codec} damaged replies to its codec, {self.inputs} to its driver, and"
+            f" {_LINK_FAULTS} link faults"
         )
 
     def run(self, folder: Path, progress: RunProgress) -> list[Check]:
         """Spoil and look; leaves what was wrong in `folder`."""
         read = codec_fuzz.CodecTally(self.driver)
         if codec_fuzz.has_codec(self.bench()):
-            with progress.phase("hostile bytes"):
+            with progress.phase("damaged bytes"):
                 read = codec_fuzz.tally(self.bench, self.to_codec, self.seed)
-        with progress.phase("hostile answers"):
+        with progress.phase("damaged replies"):
             harm = hostile.tally(self.bench, self.inputs, self.seed)
-        with progress.phase("faults of the link"):
+        with progress.phase("link faults"):
             link = link_recovery.tally(self.bench, _LINK_FAULTS, self.seed)
         examples = [*read.examples, *harm.examples, *link.examples]
         (folder / "examples.txt").write_text("\n".join([*examples, ""]), encoding="utf-8")
@@ -64,23 +64,25 @@ def bad_lines(seed: int, benches: tuple[str, ...]) -> list[BadLine]:
 
 
 def _of_codec(found: codec_fuzz.CodecTally) -> list[Check]:
-    return [_none("bytes over which the codec stumbled", found.foreign, found.examples)]
+    return [_none("codec failures on damaged bytes", found.foreign, found.examples)]
 
 
 def _of_answers(found: hostile.Tally) -> list[Check]:
     return [
-        _none("wrong values that something betrayed", found.wrong_betrayable, found.examples),
-        _none("exceptions that are none of a driver", found.foreign, found.examples),
-        _none("questions that hung", found.hung, found.examples),
-        _none("not in step after two good answers", found.out_of_step, found.examples),
+        _none("detectable wrong values accepted", found.wrong_betrayable, found.examples),
+        _none("exceptions other than driver errors", found.foreign, found.examples),
+        _none("requests that hung", found.hung, found.examples),
+        _none("out of step after two good replies", found.out_of_step, found.examples),
     ]
 
 
 def _of_link(found: link_recovery.RecoveryTally, lost_within_s: float) -> list[Check]:
     return [
-        at_most("slowest to be told lost", max(found.lost_s, default=0.0), lost_within_s, "s", 2),
-        at_most("slowest to be back", max(found.back_s, default=0.0), link_recovery.BACK_WITHIN_S, "s", 2),
-        _none("stale values taken", found.stale, found.examples),
+        at_most("longest time to report a lost link", max(found.lost_s, default=0.0), lost_within_s, "s", 2),
+        at_most(
+            "longest time to recover", max(found.back_s, default=0.0), link_recovery.BACK_WITHIN_S, "s", 2
+        ),
+        _none("stale values accepted", found.stale, found.examples),
         _none("links left open", found.left_open, found.examples),
     ]
 

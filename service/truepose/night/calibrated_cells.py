@@ -43,7 +43,7 @@ _CAMERA_LARGEST_MM: Final = 0.4
 
 # 12 h: a calibration takes 28 s a configuration, so 50 of them with their revisits are long done by then.
 _WRONG_FROM_S: Final = 43_200.0
-_WRONG_AXIS: Final = """# irb120-tilted, whose joint 3 turns too far from one moment on.
+_WRONG_AXIS: Final = """# irb120-tilted, with a gain error of joint 3 from a given time on.
 extends = "irb120-tilted"
 
 [[effect]]
@@ -54,7 +54,7 @@ from_s = {from_s}
 """
 # A wave of the size that strain-wave gears have, on a robot that has nothing else the model does not know.
 _WAVE_DEG: Final = 0.05
-_WAVY_GEAR: Final = f"""# irb120-clean, whose joint 6 has a wave of two periods per turn.
+_WAVY_GEAR: Final = f"""# irb120-clean, with a harmonic of order 2 on joint 6.
 extends = "irb120-clean"
 
 [[effect]]
@@ -188,7 +188,7 @@ def _camera_checks(judged: JudgedRun) -> list[Check]:
     checks = [convergence_check(judged.run.identification), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         mean_mm = judged.errors.absolute.mean_mm
-        checks.append(at_most("true error before the camera, mean", mean_mm, _CAMERA_MEAN_MM, "mm"))
+        checks.append(at_most("true error relative to the camera, mean", mean_mm, _CAMERA_MEAN_MM, "mm"))
     return checks
 
 
@@ -209,7 +209,7 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
         said += f", {validation['position']['identified']['max_mm']:.3f} mm off"
     return [
         convergence_check(judged.run.identification),
-        Check("validation of a wrong joint 3", "failed", said, found),
+        Check("validation with a faulty joint 3", "failed", said, found),
     ]
 
 
@@ -218,7 +218,7 @@ def _wavy_gear_checks(judged: JudgedRun) -> list[Check]:
     finding = _wave(list_findings(judged))
     checks = [
         convergence_check(judged.run.identification),
-        Check("diagnosis", "wave of joint 6", found(judged), finding is not None),
+        Check("diagnosis", "harmonic of joint 6", found(judged), finding is not None),
     ]
     return checks if finding is None else [*checks, *_wave_checks(finding)]
 
@@ -236,14 +236,14 @@ def _wave_checks(finding: dict[str, Any]) -> list[Check]:
     said = f"{amplitude:.4f} deg, standard uncertainty {uncertainty:.4f} deg"
     helps = gain is not None and gain["interval_95_mm"][0] > 0.0
     return [
-        Check("amplitude of the wave", f"{_WAVE_DEG:g} deg within 4 standard uncertainties", said, near),
-        Check("its gain on held-out readings", "above 0 mm", _gain(gain), helps),
+        Check("amplitude of the harmonic", f"{_WAVE_DEG:g} deg within 4 standard uncertainties", said, near),
+        Check("improvement on held-out readings", "above 0 mm", _gain(gain), helps),
     ]
 
 
 def _gain(gain: dict[str, Any] | None) -> str:
     if gain is None:
-        return "not known"
+        return "unknown"
     low, high = gain["interval_95_mm"]
     return f"{low:.4f} to {high:.4f} mm"
 

@@ -61,7 +61,10 @@ class KilledService:
                 await lives.work(client, session_id, int(measured), float(rng.uniform(0.0, _WITHIN_S)))
         async with lives.life() as client:
             await lives.finish(client, session_id)
-        return [*lives.checks(), none_of("broken links of the chain", verify(folder / DATABASE).findings)]
+        return [
+            *lives.checks(),
+            none_of("broken links of the hash chain", verify(folder / DATABASE).findings),
+        ]
 
 
 class _Lives:
@@ -116,7 +119,7 @@ class _Lives:
         return [
             none_of("acknowledged readings lost or changed", self._lost),
             _measured_twice([one for one in self._known if _counts(one)]),
-            none_of("restarts after which something moved by itself", self._moved),
+            none_of("restarts followed by unrequested motion", self._moved),
             Check("configurations", f"{planned} measured", done, int(self._ended["measured"]) == planned),
         ]
 
@@ -213,7 +216,7 @@ class FaultySession:
             with progress.phase("choosing configurations") as told:
                 job = await client.plan("faulty", "validation", _CONFIGURATIONS, self.seed)
                 session_id = await client.finish_job(job, told)
-            with progress.phase("measuring while things go wrong"):
+            with progress.phase("measuring with faults"):
                 await client.begin(session_id)
                 seen = await _ended(client, session_id)
             session = await client.get(f"/sessions/{session_id}")
@@ -253,12 +256,12 @@ def _checks(
     unknown = sorted(set(range(1, session["planned"] + 1)) - {*configurations, *left_out})
     silent = [f"configuration {config}" for config, reason in left_out.items() if not reason]
     largest = float(errors_mm.max(initial=0.0))
-    state = f"{seen.session['state']}, a person was asked {len(seen.reasons)} times"
+    state = f"{seen.session['state']}, operator prompted {len(seen.reasons)} times"
     return [
-        at_most("largest error of a reading that is kept", largest, _FALSE_MM, "mm", 3),
-        none_of("configurations neither measured nor left out", [f"configuration {n}" for n in unknown]),
+        at_most("largest error of an accepted reading", largest, _FALSE_MM, "mm", 3),
+        none_of("configurations neither measured nor skipped", [f"configuration {n}" for n in unknown]),
         _measured_twice(readings),
-        none_of("configurations left out without a reason", silent),
-        at_most("configurations left out", len(left_out), _FAULTS, "of 30", 0),
+        none_of("configurations skipped without a reason", silent),
+        at_most("configurations skipped", len(left_out), _FAULTS, "of 30", 0),
         Check("session", "finished", state, seen.finished),
     ]

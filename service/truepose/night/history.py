@@ -120,7 +120,8 @@ def _nights(lines: Sequence[str], file: Path) -> Iterator[Night]:
             yield Night.model_validate_json(line)
         except ValidationError as error:
             raise UnreadableHistoryError(
-                f"{file}, line {number}: this is no night of truepose. Move the file away to begin a new one."
+                f"{file}, line {number}: this is not the record of a nightly run. Move the file away to "
+                "start a new one."
             ) from error
 
 

@@ -79,7 +79,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
                 outcomes.append(_outcome(case, request.out / case.name, progress))
                 progress.say(_in_short(outcomes[-1]))
         except KeyboardInterrupt:
-            progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(request.out)}")
+            progress.say(f"Interrupted while {progress.doing}; no case is judged. {_kept(request.out)}")
             return _INTERRUPTED
     night = NightRun(request, began, time.perf_counter() - began_s, tuple(outcomes), earlier)
     if not request.only:
@@ -93,7 +93,7 @@ def _chosen(cases: Sequence[NightCase], only: Sequence[str]) -> list[NightCase]:
     known = [case.name for case in cases]
     for name in only:
         if name not in known:
-            raise UnknownCaseError(f'A night has no case "{name}"; it has {", ".join(known)}.')
+            raise UnknownCaseError(f'Unknown case "{name}"; available cases: {", ".join(known)}.')
     return [case for case in cases if not only or case.name in only]
 
 
@@ -119,7 +119,7 @@ def _in_short(outcome: CaseOutcome) -> str:
 
 
 def _kept(out: Path) -> str:
-    return f"What was measured until then is kept in the folders of {out}."
+    return f"The measurements so far are kept in the folders of {out}."
 
 
 def _status(outcomes: Sequence[CaseOutcome]) -> int:

@@ -81,7 +81,7 @@ def write_night(night: NightRun, out: Path) -> None:
     root = junit(night)
     ElementTree.indent(root)
     ElementTree.ElementTree(root).write(out / JUNIT, encoding="utf-8", xml_declaration=True)
-    title = f"Night run of truepose {__version__}, seed {night.request.seed}"
+    title = f"Nightly run of truepose {__version__}, seed {night.request.seed}"
     now = night.began.isoformat(timespec="seconds")
     write_table_report(out / REPORT, title, _sections(night), simulated=True, written_at=now)
     (out / RESULT).write_text(render_json(_document(night)) + "\n", encoding="utf-8")
@@ -124,7 +124,7 @@ def _suite(outcome: CaseOutcome, night: NightRun) -> ElementTree.Element:
     for check in outcome.checks:
         case = ElementTree.SubElement(suite, "testcase", {"classname": name, "name": check.figure})
         if not check.passed:
-            said = f"{check.measured}; to be reached: {check.target}"
+            said = f"{check.measured}; target: {check.target}"
             ElementTree.SubElement(case, "failure", {"message": said})
     if outcome.error is not None:
         case = ElementTree.SubElement(suite, "testcase", {"classname": name, "name": "run"})
@@ -139,13 +139,13 @@ def _sections(night: NightRun) -> list[Section]:
 
 def _section(outcome: CaseOutcome, night: NightRun, nights: Sequence[Night]) -> Section:
     name = outcome.case.name
-    note = outcome.case.note if outcome.passed else f"{outcome.case.note}. Again: {night.again(outcome)}"
+    note = outcome.case.note if outcome.passed else f"{outcome.case.note}. To repeat: {night.again(outcome)}"
     rows = tuple(
         Row(c.figure, c.target, c.measured, c.verdict, _trend(course(nights, name, c.figure)))
         for c in outcome.checks
     )
     if outcome.error is not None:
-        rows = (Row("run", "to its end", outcome.error, Verdict.NOT_MEASURED),)
+        rows = (Row("run", "completed", outcome.error, Verdict.NOT_MEASURED),)
     took = _trend(course(nights, name, _TIME))
     return Section(name, (*rows, Row(_TIME, "", f"{outcome.wall_s:.1f} s", Verdict.NO_TARGET, took)), note)
 
@@ -160,9 +160,9 @@ def _trend(seen: FigureHistory) -> Trend | None:
 
 def _said(seen: FigureHistory) -> str:
     if seen.first_bad is not None:
-        return f"first bad night: {seen.first_bad.name}"
+        return f"failing since the night of {seen.first_bad.name}"
     if seen.unusual and seen.usual is not None:
-        return f"unusual: {seen.usual[0]:.4g} is the median of the nights before"
+        return f"unusual: the median of earlier nights is {seen.usual[0]:.4g}"
     return ""
 
 
@@ -205,8 +205,8 @@ def _check(check: Check, seen: FigureHistory) -> dict[str, Json]:
 
 def print_night(night: NightRun, out: Path) -> None:
     """Print the figures on standard output, and what to look at."""
-    table = Table(title="Night run on simulated cells")
-    for name in ("case", "figure", "to be reached", "measured", ""):
+    table = Table(title="Nightly run on simulated cells")
+    for name in ("case", "figure", "target", "measured", ""):
         table.add_column(name)
     sections = _sections(night)
     for section in sections:
@@ -230,4 +230,4 @@ def _noticed(sections: Sequence[Section]) -> Iterator[str]:
 def _repeats(night: NightRun) -> Iterator[str]:
     for outcome in night.outcomes:
         if not outcome.passed:
-            yield f"{outcome.case.name} again: {night.again(outcome)}"
+            yield f"To repeat {outcome.case.name}: {night.again(outcome)}"

@@ -57,7 +57,7 @@ class TrackerlessCell:
         return [
             *checks,
             at_most("measured error, aligned, mean", aligned, self.limit_mm, "mm"),
-            at_most("error of distances, mean", distance, self.limit_mm, "mm"),
+            at_most("distance error, mean", distance, self.limit_mm, "mm"),
         ]
 
 
@@ -67,7 +67,7 @@ _BALLBAR_MM: Final = 0.035
 
 def ballbar_cells(seed: int) -> list[TrackerlessCell]:
     """Return the case of each robot that is measured by the ballbar, with the simulated hands."""
-    note = f"{_POSES} poses of the ballbar, {VALIDATION} validation configurations of the tracker"
+    note = f"{_POSES} ballbar poses, {VALIDATION} tracker validation configurations"
     doing = "measuring poses with the ballbar"
     return [
         TrackerlessCell(f"{name}-ballbar", name, seed, _BALLBAR_MM, note, doing, _by_ballbar)
@@ -120,8 +120,8 @@ _LOOPS: Final[Mapping[str, tuple[dict[str, Any], float]]] = MappingProxyType({
 
 def loop_cells(seed: int) -> list[TrackerlessCell]:
     """Return the case of every loop that determines the robot."""
-    note = f"{_STOPS} stops at the loop's targets, and validation configurations of the tracker"
-    doing = "measuring the loop"
+    note = f"{_STOPS} configurations at the loop's targets, and tracker validation configurations"
+    doing = "measuring the closed loop"
     return [
         TrackerlessCell(name, name, seed, limit_mm, note, doing, partial(_by_loop, wanted))
         for name, (wanted, limit_mm) in _LOOPS.items()

@@ -49,9 +49,9 @@ def test_each_harm_is_a_figure_of_its_own_with_its_count_and_an_example(harm):
 @pytest.mark.parametrize(
     ("figure", "seen"),
     [
-        ("slowest to be told lost", {"lost_s": [0.1, 2.4]}),
-        ("slowest to be back", {"back_s": [5.2]}),
-        ("stale values taken", {"stale": 1}),
+        ("longest time to report a lost link", {"lost_s": [0.1, 2.4]}),
+        ("longest time to recover", {"back_s": [5.2]}),
+        ("stale values accepted", {"stale": 1}),
         ("links left open", {"left_open": 2}),
     ],
 )

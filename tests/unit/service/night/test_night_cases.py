@@ -125,7 +125,7 @@ async def test_a_configuration_measured_twice_is_named_unless_the_later_counts(t
 
 
 async def test_a_service_that_goes_on_by_itself_is_named(tmp_path):
-    figure = "restarts after which something moved by itself"
+    figure = "restarts followed by unrequested motion"
     one, two = [reading(1)], [reading(1), reading(2, config=2)]
 
     assert not (await judged(tmp_path, one, [one], state="running"))[figure].passed
@@ -162,16 +162,16 @@ def test_a_faulty_session_that_ends_with_true_readings_passes():
     found = faulty([1, 3], skipped=[(2, "the beam was broken")])
 
     assert all(check.passed for check in found.values())
-    assert "asked 1 times" in found["session"].measured
+    assert "operator prompted 1 times" in found["session"].measured
 
 
 @pytest.mark.parametrize(
     ("figure", "session"),
     [
-        ("configurations neither measured nor left out", faulty([1, 3])),
+        ("configurations neither measured nor skipped", faulty([1, 3])),
         ("configurations measured twice", faulty([1, 2, 2, 3])),
-        ("configurations left out without a reason", faulty([1, 3], skipped=[(2, "")])),
-        ("largest error of a reading that is kept", faulty([1, 2, 3], errors_mm=(0.01, 0.4))),
+        ("configurations skipped without a reason", faulty([1, 3], skipped=[(2, "")])),
+        ("largest error of an accepted reading", faulty([1, 2, 3], errors_mm=(0.01, 0.4))),
         ("session", faulty([1, 2, 3], finished=False)),
     ],
 )

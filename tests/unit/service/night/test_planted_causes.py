@@ -42,7 +42,7 @@ def test_a_wave_that_is_not_found_is_missed_with_what_was_found_instead():
     assert (diagnosis.passed, diagnosis.measured, diagnosis.target) == (
         False,
         "consistent",
-        "wave of joint 6",
+        "harmonic of joint 6",
     )
 
 
