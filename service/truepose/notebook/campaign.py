@@ -39,13 +39,13 @@ Role = Literal[
 ]  # fmt: skip
 Vector = Sequence[float]
 _WORDS: dict[Role, str] = {
-    "calibration": "points to calibrate",
-    "validation": "points to validate",
-    "legs": "legs to calibrate",
-    "validation_legs": "legs to validate",
-    "contacts": "contacts to calibrate",
-    "validation_contacts": "contacts to validate",
-    "reference": "looks at fixed nests",
+    "calibration": "calibration points",
+    "validation": "validation points",
+    "legs": "calibration lengths",
+    "validation_legs": "validation lengths",
+    "contacts": "calibration contacts",
+    "validation_contacts": "validation contacts",
+    "reference": "reference readings",
 }
 _ROLES_BY_COLUMN: dict[str, tuple[Role, Role]] = {
     "length_mm": ("legs", "validation_legs"),
@@ -68,7 +68,7 @@ class Campaign:
     >>> import truepose as tp
     >>> campaign = tp.read_campaign("docs/examples/campaign")
     >>> campaign
-    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 points to calibrate, 20 points to validate
+    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 calibration points, 20 validation points
     >>> campaign.data.calibration.position_mm.shape
     (30, 3)
     """
@@ -199,7 +199,7 @@ def read_campaign(
     --------
     >>> import truepose as tp
     >>> tp.read_campaign("docs/examples/campaign")
-    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 points to calibrate, 20 points to validate
+    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 calibration points, 20 validation points
 
     Columns may as well come from arrays, or from a DataFrame with the same names:
 
@@ -213,7 +213,7 @@ def read_campaign(
     ...     "u_mm": 0.015,
     ... }
     >>> tp.read_campaign(readings, robot="abb-irb-120")
-    Campaign of ABB IRB 120: 6 joints, 1 nest; 40 points to calibrate
+    Campaign of ABB IRB 120: 6 joints, 1 nest; 40 calibration points
     >>> tp.read_campaign(readings | {"u_mm": -0.015}, robot="abb-irb-120")
     Traceback (most recent call last):
     ...
@@ -223,7 +223,7 @@ def read_campaign(
         return Campaign(read_campaign_at(Path(source)))
     if robot is None:
         raise ConfigurationError(
-            "Readings need their robot: give robot=..., a shipped name or the rows of its table."
+            "Readings need a robot: give robot=..., the name of a shipped robot or the rows of its table."
         )
     roles, remarks = _arrays(source, validation, tables or {})
     found = known_robot(robot)
@@ -241,7 +241,7 @@ def read_campaign(
 
 def campaign_given(given: Campaign | str | Path) -> Campaign:
     """Return a campaign, read first where a path is given; raises ConfigurationError, InputFileError."""
-    advice = "give a folder, or make one first with tp.read_campaign(readings, robot=...)"
+    advice = "give a folder, or create a campaign with tp.read_campaign(readings, robot=...)"
     return read_if_path(given, Campaign, read_campaign, advice)
 
 
@@ -272,7 +272,7 @@ def _readings(given: Table, name: str) -> tuple[Arrays, tuple[Message, ...]]:
 def _known(role: Role) -> Role:
     known = get_args(Role)
     if role not in known:
-        raise ConfigurationError(f"There is no table {role!r} in a campaign; known are {', '.join(known)}.")
+        raise ConfigurationError(f"A campaign has no table {role!r}; known tables: {', '.join(known)}.")
     return role
 
 

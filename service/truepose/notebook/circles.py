@@ -126,7 +126,7 @@ def circles(points: TableOrFile, robot: Model | str | Path) -> CircleErrors:
     arm = _robot(robot)
     table = readings_given(points, "points").validation(arm.n_joints, _NESTS)
     if not isinstance(table.readings, PointReadings):
-        raise ConfigurationError("The rows hold lengths: a circle test takes positions, x_mm y_mm z_mm.")
+        raise ConfigurationError("The rows hold lengths; a circle test needs positions: x_mm, y_mm, z_mm.")
     return CircleErrors(circle_test(table.readings), arm.name, tuple(map(english, table.ignored)))
 
 

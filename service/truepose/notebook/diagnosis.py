@@ -183,7 +183,7 @@ def diagnose(
     UnknownEffectError
         There is no effect of that name; the sentence lists those that there are.
     ConfigurationError
-        An effect is named twice or does not go with the campaign, or what is given is no campaign.
+        An effect is named twice or does not go with the campaign, or what is given is not a campaign.
     InputFileError
         The folder or zip cannot be read, with file, line and column.
 

@@ -110,7 +110,7 @@ def parameter_table(parameters: Iterable[Parameter]) -> Markup:
     """Return the table of parameters: values and standard uncertainties as documents state them."""
     head = ("parameter", "unit", "value", "u")
     rows = map(_parameter, parameters)
-    return table("Parameters, added to the nominal values", head, rows, numbers_from=2)
+    return table("Parameters, as corrections to the nominal values", head, rows, numbers_from=2)
 
 
 def _parameter(parameter: Parameter) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Robot, instrument, day (a date, or a number of days from any origin), campaign.
 Visit: TypeAlias = tuple[str, str, date | float, Campaign | str | Path]
 
-_HEAD = ("what", "cause", "kind", "since", "size, mm", "u", "or else")
+_HEAD = ("what", "cause", "kind", "since", "size, mm", "u", "alternatives")
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,11 +52,11 @@ class Fleet:
     >>> robots, days, folder = ("left", "right"), (0, 30), "docs/examples/campaign"
     >>> fleet = tp.fleet_of([(robot, "tracker", day, folder) for robot in robots for day in days])
     >>> fleet
-    Fleet of 2 robots, 1 instrument, 4 campaigns: nothing changes beyond chance
+    Fleet of 2 robots, 1 instrument, 4 campaigns: no significant change
     >>> tp.identify("docs/examples/campaign", fleet=fleet)
     Traceback (most recent call last):
     ...
-    truepose.domain.errors.ConfigurationError: The fleet has this campaign: it would count twice. ...
+    truepose.domain.errors.ConfigurationError: The fleet already contains this campaign, which would ...
     """
 
     account: Account
@@ -91,7 +91,9 @@ class Fleet:
         """
         told = self.account.named[number - 1 : number] if number >= 1 else ()
         if not told:
-            raise ConfigurationError(f"There is no change {number} among those that were named.")
+            raise ConfigurationError(
+                f"There is no change {number}: the fleet has {count_text(len(self.account.named), 'change')}."
+            )
         found = along(self.account, told[0])
         return frame({"day": found.day, "size_mm": found.size_mm, "u_mm": found.u_mm})
 
@@ -115,8 +117,8 @@ class Fleet:
         _require_one_type((*self._held, campaign))
         if any(_same_readings(one, campaign) for one in self._held):
             raise ConfigurationError(
-                "The fleet has this campaign: it would count twice. Give one that the fleet has not, or "
-                "leave the fleet away."
+                "The fleet already contains this campaign, which would then count twice. Give another "
+                "campaign, or omit the fleet."
             )
         return self.belief
 
@@ -128,13 +130,13 @@ class Fleet:
             count_text(len(fleet.day), "campaign"),
         )
         named = "; ".join(f"{_what(one.change)}: {_cause(one.change)}" for one in self.account.named)
-        told = [named or "nothing changes beyond chance", *(_unlike(one) for one in self.account.unlike)]
+        told = [named or "no significant change", *(_unlike(one) for one in self.account.unlike)]
         return f"Fleet of {', '.join(sizes)}: {'; '.join(told)}"
 
     def _repr_html_(self) -> str:
         rows = [tuple(str(value) for value in _row(one).values()) for one in self.account.named]
         shown = [(*row[:4], *row[4:6], row[7]) for row in rows]
-        table = display.table("Changes beyond chance", _HEAD, shown, numbers_from=4)
+        table = display.table("Significant changes", _HEAD, shown, numbers_from=4)
         return display.page(display.paragraphs((repr(self),)), *([table] if shown else []))
 
 
@@ -156,7 +158,7 @@ def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fl
     Raises
     ------
     ConfigurationError
-        There are fewer than two robots, they are of several types, or what is given is no campaign.
+        There are fewer than two robots, they are of several types, or what is given is not a campaign.
     InputFileError
         A folder or zip cannot be read, with file, line and column.
 
@@ -186,8 +188,8 @@ def _require_one_type(campaigns: Sequence[Measured]) -> None:
     types = dict.fromkeys(campaign.robot.name for campaign in campaigns)
     if len(types) > 1:
         raise ConfigurationError(
-            f"A fleet is of robots of one type, and these are {', '.join(types)}: "
-            "compare each type by itself."
+            f"A fleet consists of robots of one type, but these are {', '.join(types)}: "
+            "compare each type separately."
         )
 
 
@@ -217,8 +219,9 @@ def _row(named: RealChange) -> dict[str, object]:
 
 
 def _unlike(one: OutlyingCampaign) -> str:
-    fits = f"fits {one.resembles}" if one.resembles else "fits no robot of the fleet"
-    return f"the campaign of {one.robot} on day {one.day:g} is unlike its others, {fits}, and is left out"
+    match = f"matches {one.resembles}" if one.resembles else "matches no robot in the fleet"
+    campaign = f"the campaign of {one.robot} on day {one.day:g}"
+    return f"{campaign} does not match its other campaigns, {match}, and is left out"
 
 
 def _what(change: Change) -> str:
@@ -227,5 +230,5 @@ def _what(change: Change) -> str:
 
 def _cause(change: Change) -> str:
     cause = change.cause
-    order = f", {cause.order:g} a turn" if cause.order else ""
+    order = f", {cause.order:g} per turn" if cause.order else ""
     return f"{cause.effect} of {cause.subject}{order}"

@@ -124,7 +124,7 @@ class Identification:
             row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)
         ]
         left_open = [
-            f"Not told apart: {', '.join(group.parameters)}: {english(group.reason)}."
+            f"Not distinguishable: {', '.join(group.parameters)}: {english(group.reason)}."
             for group in self.answer.not_identifiable
         ]
         return display.page(
@@ -192,7 +192,7 @@ def identify(
     >>> tp.identify([[0.0, 10.0]])
     Traceback (most recent call last):
     ...
-    truepose.domain.errors.ConfigurationError: A list is no campaign: give a folder, ... tp.read_campaign...
+    truepose.domain.errors.ConfigurationError: A list is not a campaign: give ... tp.read_campaign...
     """
     data = campaign_given(campaign).data
     believed = None if fleet is None else fleet.believed_of(data)

@@ -73,7 +73,7 @@ def effects_given(given: Sequence[str] | None) -> tuple[str, ...] | None:
 
 def _refusal(given: object, what: str, advice: str) -> str:
     name = type(given).__name__
-    return f"{'An' if name[0] in 'AEIOUaeiou' else 'A'} {name} is no {what}: {advice}."
+    return f"{'An' if name[0] in 'AEIOUaeiou' else 'A'} {name} is not a {what}: {advice}."
 
 
 Column: TypeAlias = npt.NDArray[np.generic]
@@ -105,7 +105,7 @@ def named_data(given: TableOrFile, name: str) -> tuple[str, TableData]:
     Raises
     ------
     InputFileError
-        The file cannot be read, or what is given is no table.
+        The file cannot be read, or what is given is not a table.
     """
     if isinstance(given, str | Path):
         file = Path(given)
@@ -121,7 +121,7 @@ def readings_given(given: TableOrFile, name: str) -> SingleTable:
     InputFileError
         The file cannot be read, or holds what nobody can have meant.
     ConfigurationError
-        What is given is no table.
+        What is given is not a table.
     """
     if isinstance(given, str | Path):
         return single_table(Path(given).name, read_bytes(Path(given)))
@@ -157,7 +157,7 @@ def columns_of(table: Table, name: str) -> Arrays:
     Raises
     ------
     ConfigurationError
-        It is no table.
+        It is not a table.
     BadValueError
         Columns of different lengths, a block of another shape, or a column that is there twice.
     """
@@ -182,7 +182,8 @@ def _given(table: Table, name: str) -> Iterator[tuple[str, Column]]:
         yield from ((str(key), _array(table[key])) for key in table.columns)
     else:
         raise ConfigurationError(
-            f"{name}: a {type(table).__name__} is no table; give a DataFrame or a mapping of names to arrays."
+            f"{name}: a {type(table).__name__} is not a table; give a DataFrame or a mapping of names to "
+            "arrays."
         )
 
 
@@ -208,7 +209,7 @@ def _spread(key: str, values: Column, name: str) -> Iterator[tuple[str, Column]]
         yield from _of_block(key, values, name)
     elif values.ndim > 1:
         raise BadValueError(
-            f"the values have {values.ndim} dimensions; a column has one", file=name, column=key
+            f"the values have {values.ndim} dimensions; a column must have one", file=name, column=key
         )
     else:
         yield _in_degrees(key, values)
@@ -237,7 +238,7 @@ def _of_length(values: Column, n: int, name: str, column: str) -> Column:
         return np.full(n, values[()])
     if len(values) != n:
         raise BadValueError(
-            f"{len(values)} values stand where other columns have {n}", file=name, column=column
+            f"the column has length {len(values)}; other columns have length {n}", file=name, column=column
         )
     return values
 

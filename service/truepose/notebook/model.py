@@ -106,7 +106,7 @@ def read_model(file: str | Path, *, accept_edited: bool = False) -> Model:
 
 def model_given(given: Model | str | Path) -> Model:
     """Return a model, read first where a path is given; raises ConfigurationError, InputFileError."""
-    advice = "give a model file, or the .model of tp.identify(...), None where nothing could be fitted"
+    advice = "give a model file, or the .model of tp.identify(...), which is None if nothing was fitted"
     return read_if_path(given, Model, read_model, advice)
 
 

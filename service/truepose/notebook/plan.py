@@ -90,7 +90,7 @@ class Plan:
     def __repr__(self) -> str:
         again = int((self.repeat_of != NO_REPEAT).sum())
         stops = count_text(len(self.config) - again, "configuration")
-        return f"Plan of a {self.role} of {self.robot}: {stops}, {count_text(again, 'revisit')}"
+        return f"Plan of a {self.role} of {self.robot}: {stops}, {count_text(again, 'repeat measurement')}"
 
     def _repr_html_(self) -> str:
         names = [f"q{joint}, deg" for joint in range(1, self.joints_rad.shape[1] + 1)]
@@ -163,13 +163,13 @@ def plan(
     --------
     >>> import truepose as tp
     >>> tp.plan("docs/examples/networked-cell.toml", 10, role="validation", seed=1)
-    Plan of a validation of ABB IRB 120: 10 configurations, no revisit
+    Plan of a validation of ABB IRB 120: 10 configurations, no repeat measurement
     """
     if n is None and role == "validation":
-        raise ConfigurationError("A validation has no number of its own: say how many configurations, n.")
+        raise ConfigurationError("To plan a validation, give the number of configurations, n.")
     if n is not None and n < 1:
-        raise ConfigurationError(f"n is {n}: ask for one configuration at least.")
-    advice = "give the path of one (TOML), as truepose serve --cell"
+        raise ConfigurationError(f"n must be at least 1 (got {n}).")
+    advice = "give the path of a cell file (TOML), as for truepose serve --cell"
     described = cell_given(str(path_of(cell, "cell file", advice)))
     offset_rad = None if approach_deg is None else math.radians(approach_deg)
     space = space_to_measure(described, offset_rad)

@@ -112,7 +112,7 @@ def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
     ConfigurationError
-        The model needs measured joint torques that the rows do not give, or what is given is no model.
+        The model needs measured joint torques that the rows do not give, or what is given is not a model.
 
     Examples
     --------

@@ -128,6 +128,6 @@ def sphere(
     """
     named = {name: model_given(model).data for name, model in (models or {}).items()}
     if NOMINAL in named:
-        raise ConfigurationError(f"No model is called {NOMINAL!r}: that is what the robot's own is called.")
+        raise ConfigurationError(f"The name {NOMINAL!r} is reserved for the nominal model; choose another.")
     data = campaign_given(campaign).data
     return SphereErrors(sphere_test(data, named), data)

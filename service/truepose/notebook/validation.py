@@ -114,7 +114,9 @@ class Validation:
 
     def _distance_errors(self) -> domain.DistanceErrors:
         if self.answer.distance_errors is None:
-            raise ConfigurationError("There are no distances: two places are needed, and lengths are none.")
+            raise ConfigurationError(
+                "There are no distance errors: they need two measured positions; lengths have none."
+            )
         return self.answer.distance_errors
 
     def _blocks(self) -> Iterator[tuple[str, results.NominalAndIdentified]]:
@@ -188,7 +190,7 @@ def validate(
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
     ConfigurationError
-        The readings do not fit the model, the limit is no length, what is given is no model, or the rows
+        The readings do not fit the model, the limit is no length, what is given is not a model, or the rows
         hold no cycles.
 
     Examples
@@ -203,7 +205,9 @@ def validate(
     truepose.exchange.errors.MissingEntryError: points: column q2_deg is missing; it is required.
     """
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
-        raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
+        raise ConfigurationError(
+            f"limit_mm, the largest acceptable error, must be above 0 mm (got {limit_mm:g} mm)."
+        )
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
     table = readings_given(points, "points").validation(data.robot.n_joints, nests, data.targets)

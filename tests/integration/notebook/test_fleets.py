@@ -92,7 +92,7 @@ def test_a_campaign_counts_once(fleet):
     robot = FleetTruth(3, draw_fleet(3, robots=4, ageing=0, drifting=False).robots, None).robots[0]
     again = record_robot(robot, 0, TRACKERS[robot.number % 2], FleetTruth(3, (robot,), None), 25)
 
-    with pytest.raises(tp.TrueposeError, match="would count twice"):
+    with pytest.raises(tp.TrueposeError, match="would then count twice"):
         tp.identify(Campaign(again.campaign), fleet=fleet)
 
 
@@ -101,7 +101,7 @@ def test_robots_of_two_types_are_no_fleet(fleet):
     one = record_robot(robot, 0, TRACKERS[0], FleetTruth(3, (robot,), None), 15).campaign
     other = replace(one, robot=replace(one.robot, name="Another"))
 
-    with pytest.raises(tp.TrueposeError, match=r"one type, and these are .*120.*, Another"):
+    with pytest.raises(tp.TrueposeError, match=r"one type, but these are .*120.*, Another"):
         tp.fleet_of([("left", "tracker", 0, Campaign(one)), ("right", "tracker", 0, Campaign(other))])
-    with pytest.raises(tp.TrueposeError, match="compare each type by itself"):
+    with pytest.raises(tp.TrueposeError, match="compare each type separately"):
         tp.identify(Campaign(other), fleet=fleet)

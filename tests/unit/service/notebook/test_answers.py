@@ -152,7 +152,7 @@ def test_one_reading_has_no_distances_to_draw(model):
         "u_mm": 0.01,
     }
 
-    with pytest.raises(ConfigurationError, match="There are no distances"):
+    with pytest.raises(ConfigurationError, match="There are no distance errors"):
         tp.validate(model, row).plot("distances")
 
 
@@ -200,14 +200,14 @@ def test_a_plan_is_that_of_the_service_and_repeats_itself():
 
     assert np.array_equal(first.joints_rad, second.joints_rad)
     assert not np.array_equal(first.joints_rad, other.joints_rad)
-    with pytest.raises(ConfigurationError, match="n is 0: ask for one configuration at least"):
+    with pytest.raises(ConfigurationError, match=r"n must be at least 1 \(got 0\)"):
         tp.plan(cell, 0)
 
 
 def test_a_plan_to_calibrate_visits_some_again():
     plan = tp.plan(EXAMPLES / "networked-cell.toml", 12, seed=3)
 
-    assert repr(plan) == "Plan of a calibration of ABB IRB 120: 12 configurations, 5 revisits"
+    assert repr(plan) == "Plan of a calibration of ABB IRB 120: 12 configurations, 5 repeat measurements"
     assert (plan.repeat_of[:12] == -1).all()
 
 
@@ -235,7 +235,7 @@ def test_without_a_number_a_calibration_has_as_many_as_the_knee_says():
 def test_a_validation_promises_nothing_and_needs_a_number(answers):
     assert answers["Plan"].promise is None
     assert answers["Plan"].plot() is None
-    with pytest.raises(ConfigurationError, match="no number of its own"):
+    with pytest.raises(ConfigurationError, match="To plan a validation, give the number"):
         tp.plan(EXAMPLES / "networked-cell.toml", role="validation")
 
 
@@ -248,7 +248,9 @@ def test_without_pandas_a_frame_says_what_to_install(identified, monkeypatch):
 
 @pytest.mark.parametrize("limit_mm", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_limit_that_is_no_length_is_refused(model, limit_mm):
-    with pytest.raises(ConfigurationError, match="give the largest error that passes, above 0 mm"):
+    with pytest.raises(
+        ConfigurationError, match="limit_mm, the largest acceptable error, must be above 0 mm"
+    ):
         tp.validate(model, _HELD_OUT, limit_mm=limit_mm)
 
 

@@ -101,7 +101,7 @@ def test_lengths_make_a_campaign_of_legs():
 
     campaign = tp.read_campaign(legs, robot="abb-irb-120", validation=legs)
 
-    assert repr(campaign).endswith("6 joints, 2 nests; 8 legs to calibrate, 8 legs to validate")
+    assert repr(campaign).endswith("6 joints, 2 nests; 8 calibration lengths, 8 validation lengths")
 
 
 def test_readings_against_targets_make_a_campaign_of_contacts():
@@ -117,7 +117,7 @@ def test_readings_against_targets_make_a_campaign_of_contacts():
 
     campaign = tp.read_campaign(contacts, robot="abb-irb-120", tables={"targets": targets})
 
-    assert repr(campaign).endswith("6 joints, 1 nest; 8 contacts to calibrate")
+    assert repr(campaign).endswith("6 joints, 1 nest; 8 calibration contacts")
     assert campaign.data.targets[0].zero_mm == 15.7
     assert campaign.to_frame("targets")["kind"].tolist() == ["sphere"]
 
@@ -125,7 +125,12 @@ def test_readings_against_targets_make_a_campaign_of_contacts():
 @pytest.mark.parametrize(
     ("changes", "arguments", "error", "sentence"),
     [
-        ({}, {}, ConfigurationError, "Readings need their robot: give robot=..., a shipped name or the rows"),
+        (
+            {},
+            {},
+            ConfigurationError,
+            "Readings need a robot: give robot=..., the name of a shipped robot or the rows",
+        ),
         (
             {},
             {"robot": "abb-irb-121"},
@@ -154,7 +159,7 @@ def test_readings_against_targets_make_a_campaign_of_contacts():
             {},
             {"robot": "abb-irb-120", "tables": {"referense": {}}},
             ConfigurationError,
-            "There is no table 'referense' in a campaign; known are calibration,",
+            "A campaign has no table 'referense'; known tables: calibration,",
         ),
     ],
 )

@@ -65,7 +65,7 @@ def test_reports_are_those_of_the_commands(sphere, circles, tmp_path):
 
 
 def test_no_model_is_called_as_the_robots_own(folder):
-    with pytest.raises(ConfigurationError, match="No model is called 'nominal'"):
+    with pytest.raises(ConfigurationError, match="The name 'nominal' is reserved for the nominal model"):
         tp.sphere(folder / "sphere", {"nominal": folder / "robot.json"})
 
 
@@ -92,5 +92,5 @@ def test_a_robot_that_is_none_is_refused(folder, robot):
 
 
 def test_lengths_are_no_circle_test(folder):
-    with pytest.raises(ConfigurationError, match="a circle test takes positions"):
+    with pytest.raises(ConfigurationError, match="a circle test needs positions"):
         tp.circles(folder / "sphere" / "legs.csv", "abb-irb-120")

@@ -39,9 +39,11 @@ def test_a_model_file_is_read_at_once(model, tmp_path):
 
 @pytest.mark.parametrize("function", [tp.identify, tp.diagnose])
 def test_what_is_no_campaign_is_refused_in_a_sentence(function, model):
-    with pytest.raises(ConfigurationError, match=r"^A dict is no campaign: give a folder, or make one first"):
+    with pytest.raises(
+        ConfigurationError, match=r"^A dict is not a campaign: give a folder, or create a campaign"
+    ):
         function({"config": [1]})
-    with pytest.raises(ConfigurationError, match=r"^A Model is no campaign: .* tp\.read_campaign"):
+    with pytest.raises(ConfigurationError, match=r"^A Model is not a campaign: .* tp\.read_campaign"):
         function(model)
     with pytest.raises(InputFileError, match="no-such-folder"):
         function("no-such-folder")
@@ -49,18 +51,20 @@ def test_what_is_no_campaign_is_refused_in_a_sentence(function, model):
 
 @pytest.mark.parametrize("function", [tp.validate, tp.predict])
 def test_what_is_no_model_is_refused_in_a_sentence(function, identified):
-    with pytest.raises(ConfigurationError, match=r"^An Identification is no model: .* \.model of tp"):
+    with pytest.raises(ConfigurationError, match=r"^An Identification is not a model: .* \.model of tp"):
         function(identified, _HELD_OUT)
     with pytest.raises(
-        ConfigurationError, match=r"^A NoneType is no model: .* None where nothing could be fitted"
+        ConfigurationError, match=r"^A NoneType is not a model: .* None if nothing was fitted"
     ):
         function(None, _HELD_OUT)
 
 
 def test_what_is_no_path_is_refused_in_a_sentence(campaign):
-    with pytest.raises(ConfigurationError, match=r"^A Campaign is no cell file: give the path of one"):
+    with pytest.raises(
+        ConfigurationError, match=r"^A Campaign is not a cell file: give the path of a cell file"
+    ):
         tp.plan(campaign, 10)
-    with pytest.raises(ConfigurationError, match=r"^A Campaign is no model file: give its path"):
+    with pytest.raises(ConfigurationError, match=r"^A Campaign is not a model file: give its path"):
         tp.read_model(campaign)
 
 

@@ -63,14 +63,18 @@ def test_what_a_frame_does_not_know_is_unknown():
         (
             [1, 2],
             ConfigurationError,
-            "points: a list is no table; give a DataFrame or a mapping of names to",
+            "points: a list is not a table; give a DataFrame or a mapping of names to",
         ),
         (
             {"a": [1, 2], "b": [1]},
             BadValueError,
-            "column b: 1 values stand where other columns have 2.",
+            "column b: the column has length 1; other columns have length 2.",
         ),
-        ({"a": [[1, 2]]}, BadValueError, "points, column a: the values have 2 dimensions; a column has one."),
+        (
+            {"a": [[1, 2]]},
+            BadValueError,
+            "points, column a: the values have 2 dimensions; a column must have one.",
+        ),
         (
             {"joints_deg": [1.0]},
             BadValueError,
