@@ -172,7 +172,7 @@ class SessionService:
             for kind, record in await self._left():
                 await kind.leave(record)
         except RecordRefusedError as error:  # the next service finds the session and says so itself
-            _LOG.warning("what is under way was left as it is: %s", error)
+            _LOG.warning("sessions in progress were left as they are: %s", error)
 
     async def _left(self) -> list[tuple[SessionKind[Any], SessionRecord]]:
         records = await self.sessions.in_state(*_UNDER_WAY)
@@ -357,7 +357,7 @@ class SessionService:
             await kind.follow(session_id)
         except Exception:
             # The session has finished well; what should have followed is in the log.
-            _LOG.exception("what should have followed session %d failed", session_id)
+            _LOG.exception("the follow-up of session %d failed", session_id)
 
     def _release(self, task: asyncio.Task[None] | None) -> None:
         """Let others have the devices."""

@@ -141,7 +141,7 @@ async def test_what_fails_after_the_end_is_in_the_log_and_stops_nobody(scene, ca
     scene.runners[0].ends(SessionState.FINISHED)
     await scene.idle()
 
-    assert "what should have followed session 1 failed" in caplog.text
+    assert "the follow-up of session 1 failed" in caplog.text
     assert await scene.start(second) == "Is the cell clear?"
 
 
@@ -189,7 +189,7 @@ async def test_a_service_that_cannot_write_ends_all_the_same(scene, caplog, monk
     with caplog.at_level(logging.WARNING):
         await scene.desk.close()
 
-    assert "left as it is: The disk is full." in caplog.text
+    assert "left as they are: The disk is full." in caplog.text
 
 
 async def test_whoever_is_cancelled_while_a_session_stops_is_cancelled_and_the_session_stops_in_peace(scene):

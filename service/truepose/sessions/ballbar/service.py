@@ -215,7 +215,7 @@ class BallbarSessions(SessionKindService[BallbarRunner]):
         except Exception as error:
             # A cell file without its ballbar, whatever else: one session must not keep the service
             # from starting. The log keeps the traceback, the session a sentence.
-            _LOG.exception("session %d was not taken up", record.id)
+            _LOG.exception("session %d could not be resumed", record.id)
             await self.desk.sessions.note(record.id, message("session.not_taken_up", why=text_of(error)))
 
     def _cell(self, setup: SessionSetup, speed: MotionLimits) -> BallbarCell:

@@ -107,7 +107,7 @@ class Transitions:
         try:
             await self.logbook.keep(lambda: self.hold(reason))
         except Exception as second:  # the run ends with the first one: the log must not name another instead
-            error.add_note(f"Nor could the error be saved ({type(second).__name__}): {second}")
+            error.add_note(f"The error could not be saved either ({type(second).__name__}): {second}")
 
     async def _await_person(self, reason: Text) -> None:
         if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:

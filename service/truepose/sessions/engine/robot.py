@@ -67,7 +67,7 @@ def _require_within(reading: JointReading, ranges: tuple[JointRange, ...]) -> No
         if not own.lower_rad - _BEYOND_RANGE_RAD <= angle <= own.upper_rad + _BEYOND_RANGE_RAD:
             low, high = math.degrees(own.lower_rad), math.degrees(own.upper_rad)
             raise ImplausibleReadingError(
-                f"the robot states joint {number} at {math.degrees(angle):.2f} deg; the robot of this cell"
-                f" turns it from {low:g} to {high:g} deg: check that it is the right robot, and its"
-                " connection"
+                f"the controller reports joint {number} at {math.degrees(angle):.2f} deg, but the robot of "
+                f"this cell moves it from {low:g} to {high:g} deg: check that it is the right robot, and "
+                "check its connection"
             )

@@ -49,14 +49,14 @@ async def with_onlookers(onlookers: Sequence[Onlooker]) -> AsyncIterator[None]:
         # Waited for with a limit: an onlooker may hang where its driver does, and the devices must be given
         # back all the same.
         if tasks and (await asyncio.wait(tasks, timeout=_PATIENCE_S))[1]:
-            _LOG.warning("an onlooker did not leave within %g s and was left behind", _PATIENCE_S)
+            _LOG.warning("a monitor did not stop within %g s and was abandoned", _PATIENCE_S)
 
 
 async def _harmless(onlooker: Onlooker) -> None:
     try:
         await onlooker()
     except Exception:
-        _LOG.exception("looking on failed; the session goes on without it")
+        _LOG.exception("a monitor failed; the session continues without it")
 
 
 _JUST_NOW_S: Final = 3.0  # a page says after two that nobody has heard

@@ -277,6 +277,6 @@ class UnattendedRunner(SessionRunner[S]):
         try:
             await self._logbook.keep(fail)
         except Exception as second:  # the run ends with the first one: the log must not name another instead
-            error.add_note(f"Nor could the error be saved ({type(second).__name__}): {second}")
+            error.add_note(f"The error could not be saved either ({type(second).__name__}): {second}")
             # In memory at least: whoever looks must not be shown a session that runs.
             self._logbook.record.enter(SessionState.FAILED, reason)

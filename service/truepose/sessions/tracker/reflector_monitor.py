@@ -81,7 +81,7 @@ class ReflectorMonitor:
 
     def _give_up(self, why: str) -> None:
         self._given_up = True
-        _LOG.warning("where the reflector is, is shown no more in this session: %s", why)
+        _LOG.warning("the reflector position is no longer shown in this session: %s", why)
 
 
 _PERIOD_S: Final = 0.12  # wall time: about eight a second, which an eye takes for continuous

@@ -124,7 +124,7 @@ async def test_a_run_ends_with_what_failed_first_also_where_that_cannot_be_put_o
 
         with pytest.raises(RuntimeError, match="a mistake of the program") as raised:
             await bench.running
-        assert raised.value.__notes__ == ["Nor could the error be saved (DiskFullError): "]
+        assert raised.value.__notes__ == ["The error could not be saved either (DiskFullError): "]
 
 
 async def test_a_button_pressed_before_the_restart_is_on_record_comes_after_it():
