@@ -101,25 +101,27 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         default="irb120-tilted",
         help=f"a scenario file or one of {', '.join(shipped_scenarios())} (default: %(default)s)",
     )
-    parser.add_argument("--seed", type=_natural, default=0, help="which cell of that kind (default: 0)")
     parser.add_argument(
-        "--port-base", type=_natural, default=0, help="first of the consecutive ports; 0: any free ones"
+        "--seed", type=_natural, default=0, help="random seed: which cell of that kind (default: 0)"
     )
     parser.add_argument(
-        "--pace", type=int, choices=(0, 1), default=1, help="1: real time (default); 0: waiting costs nothing"
+        "--port-base", type=_natural, default=0, help="first of the consecutive ports; 0: any free ports"
+    )
+    parser.add_argument(
+        "--pace", type=int, choices=(0, 1), default=1, help="1: real time (default); 0: as fast as possible"
     )
     parser.add_argument(
         "--model",
         type=Path,
-        help="identified model (JSON): its robot, base and tool stand in the place of the scenario's",
+        help="identified model (JSON): its robot, base and tool replace those of the scenario",
     )
     parser.add_argument(
-        "--faults", type=Path, help="what goes wrong, and when: a file of [[fault]] tables (docs/faults.md)"
+        "--faults", type=Path, help="file of [[fault]] tables: which faults occur, and when (docs/faults.md)"
     )
     parser.add_argument(
         "--state",
         type=Path,
-        help="keep what is done in this file; a cell that is started with it again stands where it stood",
+        help="file that keeps the state of the cell; a cell restarted with it continues from that state",
     )
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
     return parser.parse_args(arguments)
@@ -137,12 +139,12 @@ def _drivable(model: IdentifiedModel) -> IdentifiedModel:
     n_joints, instead = len(model.table.rows), "replay a campaign with truepose_simulators.recording instead"
     if n_joints != _JOINTS_ON_THE_WIRE:
         raise ModelError(
-            f"{model.table.name} has {n_joints} joints, open_abb moves {_JOINTS_ON_THE_WIRE}; {instead}"
+            f"{model.table.name} has {n_joints} joints, but open_abb moves {_JOINTS_ON_THE_WIRE}; {instead}"
         )
     if model.sensed_torques and not model.table.masses:
         raise ModelError(
-            f"the springs of {model.table.name} were identified from torque sensors and the model states no"
-            f" masses, so that nothing would load them here; {instead}"
+            f"the compliance of {model.table.name} was identified from torque sensors and the model states no"
+            f" masses, so nothing would load the joints here; {instead}"
         )
     return model
 

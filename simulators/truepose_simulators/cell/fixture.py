@@ -86,8 +86,9 @@ class Fixture:
         away_mm = self._away_mm(base_point, ball_mm) - self._setup.play_mm
         if away_mm > self._setup.reach_mm:
             raise HandsError(
-                f"cup {base_point} does not snap: slid as far as it goes it is {away_mm:.1f} mm from the"
-                f" ball and its magnet reaches {self._setup.reach_mm:g}: have the robot hold the ball there"
+                f"cup {base_point} does not snap on: at the end of its travel it is {away_mm:.1f} mm from the"
+                f" ball, but its magnet reaches {self._setup.reach_mm:g} mm; have the robot hold the ball "
+                "there"
             )
         place = ball_mm + clamp_mm * self._rng.standard_normal(3)
         cup = ClampedCup(self.placement, base_point, place, time_s)

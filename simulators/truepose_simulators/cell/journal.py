@@ -41,7 +41,7 @@ class Journal:
             beside.write_bytes(whole)
             beside.replace(path)
         except OSError as error:
-            raise JournalError(f"{path}: the state of the cell cannot be kept ({error.strerror})") from error
+            raise JournalError(f"{path}: the state of the cell cannot be saved ({error.strerror})") from error
 
     def add(self, **entry: object) -> None:
         """Write an entry; once this returns, it outlives the process."""
@@ -72,7 +72,7 @@ class RememberedCell(Cell):
                 await self._do_again(entry)
             except (KeyError, TypeError, ValueError, SimulatorError) as error:
                 raise JournalError(
-                    f"{path}, line {number}: cannot be done again ({error}); remove the file to begin anew"
+                    f"{path}, line {number}: cannot be replayed ({error}); delete the file to start afresh"
                 ) from error
         motion = self.robot.motion
         await self.clock.sleep(max(0.0, motion.start_s + motion.duration_s - self.clock.now_s))

@@ -43,11 +43,13 @@ def _tables(text: str, path: Path) -> list[Any]:
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # its text names line and column
-        raise ScenarioError(f"{path} is no TOML: {error}") from error
+        raise ScenarioError(f"{path} is not TOML: {error}") from error
     tables = document.pop("fault", [])
     for key in document:
         at = _line(text.splitlines(), rf"\s*\[*\s*{re.escape(key)}\b", 0)
-        raise ScenarioError(f'{path}, line {at}: unknown key "{key}"; a file of faults has [[fault]] alone')
+        raise ScenarioError(
+            f'{path}, line {at}: unknown key "{key}"; a fault file contains only [[fault]] tables'
+        )
     if not isinstance(tables, list):
         at = _line(text.splitlines(), r"\s*\[?\s*fault\b", 0)
         raise ScenarioError(f"{path}, line {at}: write [[fault]] with double brackets")

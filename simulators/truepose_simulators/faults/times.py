@@ -30,7 +30,7 @@ class Fault:
         if self.from_s > 0.0:
             stated.insert(0, "from_s")
         if len(stated) > 1:
-            raise ScenarioError(f"keys {' and '.join(map(repr, stated))}: a fault has one trigger")
+            raise ScenarioError(f"keys {' and '.join(map(repr, stated))}: a fault takes only one trigger")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -127,7 +127,9 @@ class CameraSetup:
         require_at_least_0(self, "position_u_mm", "tilt_rad", "nest_mm", "frame_mm", "artefact_mm")
         require_above_0(self, "reach_mm", "acceptance_deg", "frame_hz")
         if self.position_mm[:2] == self.looks_at_mm[:2]:
-            raise ScenarioError('keys "position_mm" and "looks_at_mm" must not be one above the other')
+            raise ScenarioError(
+                'keys "position_mm" and "looks_at_mm" must not be vertically above each other'
+            )
 
 
 @dataclass(frozen=True, slots=True)

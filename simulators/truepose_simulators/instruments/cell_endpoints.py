@@ -70,7 +70,7 @@ def _decode(line: bytes) -> dict[str, Any]:
     try:
         request = json.loads(line)
     except (ValueError, RecursionError) as error:
-        raise TruthRequestError(f"the request is no JSON: {error}") from error
+        raise TruthRequestError(f"the request is not JSON: {error}") from error
     if not isinstance(request, dict):
         raise TruthRequestError('a request is an object such as {"op": "plant"}')
     return request

@@ -63,7 +63,9 @@ class PlantSizes:
     def __post_init__(self) -> None:
         low, high = self.compliance_factor
         if not 0.0 <= low <= high:
-            raise ScenarioError(f'key "compliance_factor" must rise from 0 or more, not {low} to {high}')
+            raise ScenarioError(
+                f'key "compliance_factor" must be a rising range from 0 or more, not {low} to {high}'
+            )
         require_at_least_0(self, *(name for name in self.__dataclass_fields__ if name != "compliance_factor"))
 
 
@@ -158,7 +160,9 @@ def find_rest(
         if loads.bodies is not None and balanced and _agree(angles, before, _ANGLE_TOLERANCE_RAD):
             return Rest(angles, torque, bodies)
         loads, before = Loads(torque, masses, bodies, plant.gravity_m_s2), angles
-    raise NoEquilibriumError("the gearbox springs are too soft: the arm finds no rest under its own weight")
+    raise NoEquilibriumError(
+        "the gearboxes are too compliant: the arm finds no equilibrium under its own weight"
+    )
 
 
 def _load(conditions: Conditions, gravity_n_mm: FloatArray) -> FloatArray:

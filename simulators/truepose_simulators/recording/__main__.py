@@ -85,13 +85,13 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add = parser.add_argument
     add("scenario", help=f"a scenario file or one of {', '.join(shipped_scenarios())}")
     add("--out", type=Path, required=True, help="folder to write into")
-    add("--seed", type=int, default=0, help="which cell of that kind, 0 or more (default: 0)")
+    add("--seed", type=int, default=0, help="random seed, 0 or more: which cell of that kind (default: 0)")
     for name, what in (
-        ("configurations", "of the calibration"),
-        ("validation", "further ones"),
-        ("revisits", "visited again"),
-        ("attachments", "mountings of the tool"),
-        ("reference-every", "stops between readings of the fixed nests, 0 for none"),
+        ("configurations", "calibration configurations"),
+        ("validation", "validation configurations"),
+        ("revisits", "repeat measurements"),
+        ("attachments", "tool mountings"),
+        ("reference-every", "configurations between readings of the fixed nests, 0 for none"),
     ):
         alone, beside = (
             getattr(usual, name.replace("-", "_"))
@@ -100,25 +100,25 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         default = f"{alone}" if alone == beside else f"{alone}, beside --ballbar {beside}"
         add(f"--{name}", type=int, help=f"{what} (default: {default})")
     add("--approach", choices=APPROACHES, default=RecordingRequest().approach, help="default: %(default)s")
-    add("--quiet", action="store_true", help="leave out the drift and the warm-up of an everyday robot")
-    add("--ballbar", type=Path, metavar="PLAN", help="record a ballbar campaign of this plan (JSON) as well")
-    add("--aimed", action="store_true", help="ballbar: joints corrected as after a pre-calibration")
+    add("--quiet", action="store_true", help="without the drift and warm-up of an everyday robot")
+    add("--ballbar", type=Path, metavar="PLAN", help="also record a ballbar campaign from this plan (JSON)")
+    add("--aimed", action="store_true", help="ballbar: joints corrected as by a pre-calibration")
     add(
         "--aim-error",
         type=float,
         default=BallbarRecordingRequest().aim_error_mm,
-        help="by which that misses a length, mm (default: %(default)s)",
+        help="length error left by that correction, mm (default: %(default)s)",
     )
     add("--loop", choices=LOOPS, help="record a closed loop of this kind instead")
-    add("--model", type=Path, help="identified model (JSON) that stands in the place of the robot")
-    add("--replay", type=Path, help="measured campaign folder whose stops are made again, with --model")
+    add("--model", type=Path, help="identified model (JSON) that replaces the robot")
+    add("--replay", type=Path, help="measured campaign folder to replay, with --model")
     options = parser.parse_args(arguments)
     if options.replay is not None and options.model is None:
-        parser.error("argument --replay: name the model of that robot too, with --model")
+        parser.error("argument --replay: also give the model of that robot, with --model")
     if options.replay is not None and options.ballbar is not None:
-        parser.error("argument --ballbar: a plan is recorded, a campaign is replayed; not both")
+        parser.error("argument --ballbar: cannot be combined with --replay")
     if options.loop is not None and (options.ballbar is not None or options.model is not None):
-        parser.error("argument --loop: a closed loop is recorded of a scenario's robot, without a ballbar")
+        parser.error("argument --loop: cannot be combined with --ballbar or --model")
     if options.seed < 0:
         parser.error(f"argument --seed: {options.seed} is negative")
     return options

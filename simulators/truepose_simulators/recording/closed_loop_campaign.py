@@ -64,7 +64,7 @@ class LoopRecordingRequest:
 
     def __post_init__(self) -> None:
         if self.kind not in LOOPS:
-            raise ScenarioError(f'there is no closed loop "{self.kind}", only {", ".join(LOOPS)}')
+            raise ScenarioError(f'unknown closed loop "{self.kind}"; known: {", ".join(LOOPS)}')
         check_approach(self.approach)
 
 

@@ -160,7 +160,7 @@ def _stops(
         if len(found) >= count:
             kept: FloatArray = found[:count].round(5)
             return kept
-    raise NoStopsError(f"the arm reaches the {placed.kind} at {len(found)} stops only, {count} are wanted")
+    raise NoStopsError(f"the arm reaches the {placed.kind} at {len(found)} stops only; {count} are required")
 
 
 def _led(

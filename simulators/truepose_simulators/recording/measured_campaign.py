@@ -87,13 +87,13 @@ def read_table(path: Path) -> MeasuredTable:
     except OSError as error:
         raise ReplayError(f"{path} cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise ReplayError(f"{path.name} is no table of comma-separated text in UTF-8: {error}") from error
+        raise ReplayError(f"{path.name} is not a CSV table in UTF-8: {error}") from error
     if len(rows) < 2:
         raise ReplayError(f"{path.name} has no rows: there is nothing to replay")
     header = [name.strip() for name in rows[0]]
     for line, row in enumerate(rows[1:], start=2):
         if len(row) != len(header):
-            raise ReplayError(f"{path.name}, line {line}: {len(row)} cells, the header has {len(header)}")
+            raise ReplayError(f"{path.name}, line {line}: {len(row)} cells, but the header has {len(header)}")
     return MeasuredTable(path.name, dict(zip(header, zip(*rows[1:], strict=True), strict=True)))
 
 
@@ -110,7 +110,7 @@ def read_description(folder: Path) -> dict[str, Any]:
     except OSError as error:
         raise ReplayError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
-        raise ReplayError(f"{path} is no JSON: {error}") from error
+        raise ReplayError(f"{path} is not JSON: {error}") from error
     if not isinstance(document, dict):
         raise ReplayError(f"{path} must be a table of keys")
     return document

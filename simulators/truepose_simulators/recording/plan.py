@@ -105,7 +105,7 @@ def _visible_configurations(cell: Cell, n: int, rng: np.random.Generator) -> tup
         joints, nests = np.concatenate([joints, drawn[seen]]), np.concatenate([nests, nest[seen]])
         if len(joints) >= n:
             return joints[:n], nests[:n]
-    raise NoStopsError(f"the tracker sees a nest in {len(joints)} configurations only, {n} are wanted")
+    raise NoStopsError(f"the tracker sees a nest in {len(joints)} configurations only; {n} are required")
 
 
 def _best_nest(cell: Cell, joints_deg: FloatArray) -> tuple[NestNumbers, NestNumbers]:

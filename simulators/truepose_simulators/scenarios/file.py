@@ -146,7 +146,7 @@ def _merged(path: Path, children: tuple[Path, ...]) -> dict[str, Any]:
         return document
     parent_path = _find(convert(str, parent, f'{path.name}: key "extends"'))
     if parent_path.resolve() in {child.resolve() for child in (*children, path)}:
-        raise ScenarioError(f'{path.name}: key "extends" leads back to the file itself')
+        raise ScenarioError(f'{path.name}: key "extends" refers back to the file itself')
     result = _merged(parent_path, (*children, path))
     for key, value in document.items():
         before = result.get(key)
@@ -165,9 +165,9 @@ def _parse(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name} cannot be read: {error}") from error
     except RecursionError as error:
-        raise ScenarioError(f"{path.name} is no TOML: nested too deep") from error
+        raise ScenarioError(f"{path.name} is not TOML: nested too deep") from error
     except ValueError as error:  # also of a number of thousands of digits
-        raise ScenarioError(f"{path.name} is no TOML: {error}") from error
+        raise ScenarioError(f"{path.name} is not TOML: {error}") from error
 
 
 def _check_keys(document: Mapping[str, object], where: str) -> None:

@@ -82,7 +82,7 @@ def load_model(path: Path) -> IdentifiedModel:
     except OSError as error:
         raise ModelError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:  # no JSON, no UTF-8, or nested without end
-        raise ModelError(f"{path.name} is no model file: it is cut off, or no JSON at all") from error
+        raise ModelError(f"{path.name} is not a model file: it is cut off, or not JSON") from error
     try:
         return _read(document, path.name)
     except ScenarioError as error:  # the tables' own word for a value that cannot be meant
@@ -91,11 +91,11 @@ def load_model(path: Path) -> IdentifiedModel:
 
 def _read(document: object, where: str) -> IdentifiedModel:
     if not isinstance(document, Mapping) or document.get("format") != _FORMAT:
-        raise ModelError(f'{where} is no model file: one begins with "format": "{_FORMAT}"')
+        raise ModelError(f'{where} is not a model file; one begins with "format": "{_FORMAT}"')
     version = convert(int, _needed(document, "version", where), f'{where}: key "version"')
     if version > _VERSION:
         raise ModelError(
-            f"{where} has version {version}, this simulator reads up to {_VERSION}; update truepose"
+            f"{where} has version {version}, but this simulator reads up to {_VERSION}; update truepose"
         )
     _require_unedited(document, where)
     nests = [_table(_Nest, item, at) for at, item in _entries(document, "tool_nests", where)]
@@ -124,8 +124,8 @@ def _require_unedited(document: Mapping[str, object], where: str) -> None:
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     if stated not in {None, f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"}:
         raise ModelError(
-            f"{where} was edited after truepose wrote it: its digest is that of other values; "
-            'take out the key "digest" to simulate what it says now'
+            f"{where} was edited after truepose wrote it: its digest does not match its values; "
+            'remove the key "digest" to simulate the file as it is'
         )
 
 
@@ -201,7 +201,7 @@ def _parameters(document: Mapping[str, object], where: str) -> dict[str, dict[st
         factor = _FACTORS.get(parameter.unit)
         if factor is None:
             raise ModelError(
-                f'{at}: the unit "{parameter.unit}" of {parameter.name} is none of {", ".join(_FACTORS)}'
+                f'{at}: the unit "{parameter.unit}" of {parameter.name} is not one of {", ".join(_FACTORS)}'
             )
         by_effect.setdefault(parameter.effect, {})[parameter.name] = factor * parameter.value
     return by_effect

@@ -37,7 +37,7 @@ def read_text(path: Path) -> str:
 
 def _require_regular(path: Path, found: os.stat_result) -> None:
     if not stat.S_ISREG(found.st_mode):
-        raise OSError(errno.EINVAL, "it is no file but a folder, a pipe or a device", str(path))
+        raise OSError(errno.EINVAL, "it is not a file but a folder, a pipe or a device", str(path))
 
 
 T = TypeVar("T")

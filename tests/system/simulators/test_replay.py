@@ -189,4 +189,4 @@ def test_the_command_refuses_a_file_that_is_no_model(geared):
     done = installed("simulate", "--model", geared / "measured" / "campaign.json")
 
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == 'campaign.json is no model file: one begins with "format": "truepose-model"\n'
+    assert done.stderr == 'campaign.json is not a model file; one begins with "format": "truepose-model"\n'

@@ -104,7 +104,7 @@ def test_a_file_of_ones_own_builds_on_another_key_by_key(write):
         ("", 'mine.toml: key "robot" is missing'),
         ('robot = "puma"', 'mine.toml: unknown robot "puma"; known: irb120, kr6r900, lrmate200ic'),
         ("robot = 120", 'mine.toml: key "robot" must be a text, not 120'),
-        ("robot = ", "mine.toml is no TOML"),
+        ("robot = ", "mine.toml is not TOML"),
         ('robot = "irb120"\nnoise = 0', 'mine.toml: key "noise" must be true or false, not 0'),
         ('robot = "irb120"\ncolour = 1', 'mine.toml: unknown key "colour"; known: robot, noise'),
         ('robot = "irb120"\n[arm]\nscater_mm = 1', 'mine.toml: [arm]: unknown key "scater_mm"; known:'),

@@ -89,19 +89,19 @@ def test_a_robot_of_seven_joints_stands_in_the_cell(make_cell):
 def test_gaps_in_the_proportions_of_six_joints_are_not_planted_in_seven(make_cell):
     cell = make_cell(robot=with_seventh())
 
-    with pytest.raises(ScenarioError, match='"joints" are in the proportions of an arm of 6 joints'):
+    with pytest.raises(ScenarioError, match='"joints" has the proportions of an arm of 6 joints'):
         cell.plant_change(PlantedChange("backlash", "joints", 0.03))
 
 
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"robot": with_seventh()}, "ABB IRB 120 has 7 joints, open_abb moves 6"),
+        ({"robot": with_seventh()}, "ABB IRB 120 has 7 joints, but open_abb moves 6"),
         (
             {"robot": robot_document(masses=[]), "torques_measured": True},
             "identified from torque sensors and the model states no masses",
         ),
-        ({"effects": ["outliers"]}, "effect outliers: the simulated physics has none of that name"),
+        ({"effects": ["outliers"]}, "effect outliers: the simulator does not know this effect"),
     ],
 )
 def test_a_model_that_cannot_be_driven_is_refused_before_anything_listens(

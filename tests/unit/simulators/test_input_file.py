@@ -20,7 +20,7 @@ from truepose_simulators.scenarios.table import read_file, read_text
 def test_a_pipe_is_refused_at_once(tmp_path, read, error):
     os.mkfifo(tmp_path / "it")
 
-    with pytest.raises(error, match="it is no file but a folder, a pipe or a device"):
+    with pytest.raises(error, match="it is not a file but a folder, a pipe or a device"):
         read(tmp_path / "it")
 
 
@@ -28,7 +28,7 @@ def test_a_pipe_is_refused_at_once(tmp_path, read, error):
 def test_a_device_has_no_content(tmp_path):
     (tmp_path / "it").symlink_to("/dev/zero")
 
-    with pytest.raises(OSError, match="no file but a folder, a pipe or a device"):
+    with pytest.raises(OSError, match="not a file but a folder, a pipe or a device"):
         read_file(tmp_path / "it")
 
 
@@ -42,7 +42,7 @@ def test_a_byte_order_mark_is_no_text(tmp_path):
 def test_toml_that_python_gives_up_on_is_refused_in_one_sentence(tmp_path, text):
     (tmp_path / "it.toml").write_text(text)
 
-    with pytest.raises(ScenarioError, match=r"it.toml is no TOML"):
+    with pytest.raises(ScenarioError, match=r"it.toml is not TOML"):
         load_scenario(str(tmp_path / "it.toml"))
 
 

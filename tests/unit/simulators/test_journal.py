@@ -153,10 +153,10 @@ async def test_an_entry_that_cannot_be_done_again_is_named(tmp_path):
     with path.open("a") as file:
         file.write(json.dumps({"time_s": 1.0, "did": "deed", "action": "fit_ball", "details": {}}) + "\n")
 
-    with pytest.raises(JournalError, match=r"line 3: .*remove the file"):
+    with pytest.raises(JournalError, match=r"line 3: .*delete the file"):
         await started(path)
 
 
 async def test_a_folder_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(JournalError, match="cannot be kept"):
+    with pytest.raises(JournalError, match="cannot be saved"):
         await started(tmp_path / "none" / "cell.json")

@@ -53,8 +53,8 @@ def with_third_joint(**changes):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"format": "something"}, 'no model file: one begins with "format": "truepose-model"'),
-        ({"version": 2}, "has version 2, this simulator reads up to 1; update truepose"),
+        ({"format": "something"}, 'not a model file; one begins with "format": "truepose-model"'),
+        ({"version": 2}, "has version 2, but this simulator reads up to 1; update truepose"),
         ({"version": "one"}, 'key "version" must be a whole number'),
         ({"gravity_m_s2_world": [0, 0]}, 'key "gravity_m_s2_world" must have 3 entries, not 2'),
         ({"gravity_m_s2_world": None}, 'key "gravity_m_s2_world" is missing'),
@@ -87,7 +87,7 @@ def test_a_file_that_cannot_be_meant_is_refused_by_key(load, changes, sentence):
 @pytest.mark.parametrize(
     ("value", "unit", "sentence"),
     [
-        (1.0, "inch", 'the unit "inch" of a_2 is none of mm, rad'),
+        (1.0, "inch", 'the unit "inch" of a_2 is not one of mm, rad'),
         (float("nan"), "mm", 'parameters number 1: key "value" must be a finite number'),
     ],
 )
@@ -100,7 +100,7 @@ def test_a_parameter_that_means_nothing_is_refused(load, value, unit, sentence):
 def test_a_file_that_is_cut_off_or_no_json_is_refused(tmp_path, content):
     (tmp_path / "robot.json").write_bytes(content)
 
-    with pytest.raises(ModelError, match=r"robot\.json is no model file: it is cut off, or no JSON at all"):
+    with pytest.raises(ModelError, match=r"robot\.json is not a model file: it is cut off, or not JSON"):
         load_model(tmp_path / "robot.json")
 
 

@@ -34,7 +34,7 @@ def plant(change: effect.PlantedChange, site: effect.Site) -> TiltedAxis:
     joint = effect.joint_index(change, site.arm)
     if not site.arm.parallel_to_previous(joint):
         raise ScenarioError(
-            f'effect {change.name}: the axis of "{change.subject}" is not meant to be parallel to the one'
+            f'effect {change.name}: the axis of "{change.subject}" is not nominally parallel to the one'
             f" before it; name a joint whose axis is, such as joint 3"
         )
     return TiltedAxis(joint, radians(change.amplitude), change.from_s)

@@ -39,8 +39,8 @@ def _measured_shares(change: effect.PlantedChange, n_joints: int) -> FloatArray:
     measured = np.array(MEASURED_GAPS_DEG)
     if n_joints != len(measured):
         raise ScenarioError(
-            f'effect {change.name}: "joints" are in the proportions of an arm of {len(measured)} joints, this'
-            f' one has {n_joints}; plant "joint 1" and so on one by one'
+            f'effect {change.name}: "joints" has the proportions of an arm of {len(measured)} joints; this'
+            f' one has {n_joints}; plant "joint 1" and the others one by one'
         )
     shares: FloatArray = measured / measured.max()
     return shares

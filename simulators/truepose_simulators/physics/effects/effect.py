@@ -250,14 +250,14 @@ class IdentifiedEffect:
     def index(self, number: str, count: int, what: str) -> int:
         """0-based index of a joint, link or nest (1-based in names); raises ModelError beyond `count`."""
         if not 1 <= int(number) <= count:
-            raise ModelError(f"effect {self.effect}: there is no {what} {number}, there are {count}")
+            raise ModelError(f"effect {self.effect}: there is no {what} {number}; there are {count}")
         return int(number) - 1
 
     def unknown(self, name: str, form: str) -> ModelError:
         """Return what to raise for a parameter that this physics has no meaning for."""
         return ModelError(
-            f'effect {self.effect}: the simulated physics has no parameter "{name}", only {form}; write the'
-            " model anew with the truepose of this simulator"
+            f'effect {self.effect}: the simulator has no parameter "{name}", only {form}; write the model'
+            " again with the truepose version of this simulator"
         )
 
     def _vectors(self, pattern: str, form: str, components: tuple[str, ...]) -> dict[str, FloatArray]:

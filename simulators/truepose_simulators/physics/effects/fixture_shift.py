@@ -31,7 +31,7 @@ def plant(change: effect.PlantedChange, site: effect.Site) -> ShiftedFixture:
     placement, motion = effect.placement_number(change), jump(change, site)
     if change.from_s <= 0.0:
         raise ScenarioError(
-            f"effect {change.name}: from_s must say when the fixture moves, after its cups were clamped and"
+            f"effect {change.name}: from_s, when the fixture moves, must be after its cups are clamped and"
             f" before its last leg, not {change.from_s:g}"
         )
     return ShiftedFixture(placement, motion, change.from_s)

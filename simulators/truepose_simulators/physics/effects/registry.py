@@ -85,7 +85,7 @@ def realise_effect(stated: IdentifiedEffect, site: ModelArm) -> tuple[Effect, ..
     realise = REALISED.get(stated.effect)
     if realise is None:
         raise ModelError(
-            f"effect {stated.effect}: the simulated physics has none of that name; it realises"
+            f"effect {stated.effect}: the simulator does not know this effect; known:"
             f" {', '.join(sorted(REALISED))}"
         )
     return realise(stated, site)

@@ -99,7 +99,7 @@ def _check_turn(key: str, value: float) -> None:
 
 def _check_vector(key: str, value: Vector | None) -> None:
     if value is not None and not 1e-6 <= max(abs(part) for part in value) <= 1e6:
-        raise ScenarioError(f'key "{key}" must be a vector that points somewhere, not {list(value)}')
+        raise ScenarioError(f'key "{key}" must be a vector with a direction, not {list(value)}')
 
 
 def motion_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:

@@ -163,7 +163,7 @@ def _check_cups(plan: BallbarPlan, cups: Cups) -> None:
             if off_mm > _PLACEMENTS_OFF_MM:
                 raise ScenarioError(
                     f"placement {placement.number}: at the joints of set-up {point} the ball is"
-                    f" {off_mm:.0f} mm from the cup as planned; joints are in deg, cups in the world"
+                    f" {off_mm:.0f} mm from the planned cup; give joints in deg and cups in the world frame"
                 )
 
 

@@ -58,7 +58,7 @@ def read_plan(path: Path) -> BallbarPlan:
     try:
         document = json.loads(read_text(path))
     except (ValueError, RecursionError) as error:
-        raise ScenarioError(f"{path.name} is no JSON: {error}") from error
+        raise ScenarioError(f"{path.name} is not JSON: {error}") from error
     except OSError as error:
         raise ScenarioError(f"{path.name} cannot be read: {error.strerror}") from error
     return plan_from(document, path.name)
@@ -138,7 +138,7 @@ def _check_joints(stops: Sequence[SetupPlan | PosePlan], cell: Cell, where: str)
 
 def _check_legs(pose: PosePlan, n_cups: int, n_nests: int, where: str) -> None:
     if pose.aimed_mm is not None and len(pose.aimed_mm) != len(pose.legs):
-        raise ScenarioError(f'key "aimed_mm" must have one length per leg, {len(pose.legs)}')
+        raise ScenarioError(f'key "aimed_mm" must have {len(pose.legs)} lengths, one per leg')
     for base, tool in pose.legs:
         if not (1 <= base <= n_cups and 1 <= tool <= n_nests):
             raise ScenarioError(

@@ -147,8 +147,8 @@ def test_a_tripod_that_is_kicked_stands_elsewhere_and_one_that_drifts_stays_wher
 @pytest.mark.parametrize(
     ("keys", "sentence"),
     [
-        ({"from_s": 3.0, "move": 2}, "a fault has one trigger"),
-        ({"configuration": 3, "reading": 2}, "a fault has one trigger"),
+        ({"from_s": 3.0, "move": 2}, "a fault takes only one trigger"),
+        ({"configuration": 3, "reading": 2}, "a fault takes only one trigger"),
         ({"configuration": 0}, '"configuration" must be 1 or more'),
         ({"for_s": -1.0}, '"for_s" must be 0 or more'),
     ],

@@ -221,7 +221,7 @@ async def test_the_fixture_stands_about_where_it_was_put_and_cups_slide_to_the_b
         "place_base", {**mark, **{f"{axis}_mm": float(c) for axis, c in zip("xyz", ball, strict=True)}}
     )
     cell.hands.do("clamp", {"base_point": 1})
-    with pytest.raises(HandsError, match=r"cup 2 does not snap: .* 2[789][0-9]\.[0-9] mm from the ball"):
+    with pytest.raises(HandsError, match=r"cup 2 does not snap on: .* 2[789][0-9]\.[0-9] mm from the ball"):
         cell.hands.do("clamp", {"base_point": 2})
 
     assert [cup.base_point for cup in cell.fixture.cups] == [1]
@@ -235,7 +235,7 @@ async def test_a_fixture_without_a_mark_still_has_its_size(lrmate):
     await move(cell, SETUPS[0])
     cell.hands.do("clamp", {"base_point": 1})
 
-    with pytest.raises(HandsError, match="cup 2 does not snap"):
+    with pytest.raises(HandsError, match="cup 2 does not snap on"):
         cell.hands.do("clamp", {"base_point": 2})
 
 

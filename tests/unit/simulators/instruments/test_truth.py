@@ -148,4 +148,4 @@ def test_an_impossible_request_is_answered_with_a_sentence(make_cell, request_, 
 
 
 def test_a_line_that_is_no_json_is_answered_with_a_sentence(make_cell):
-    assert "no JSON" in answer(b"\xff{", make_cell())["error"]
+    assert "not JSON" in answer(b"\xff{", make_cell())["error"]

@@ -32,16 +32,16 @@ STRANGE = [
     ("tool_reseating", "seat_x"),
 ]
 BEYOND = [
-    ("backlash", "gap_7", "no joint 7, there are 6"),
-    ("compliance", "c_2*mx_7", "no joint 7, there are 6"),
-    ("geometry", "alpha_9", "no joint 9, there are 6"),
-    ("joint_coupling", "coupling_6_0", "no joint 0, there are 6"),
-    ("joint_harmonics", "wave_7_2_sin", "no joint 7, there are 6"),
-    ("link_bending", "sag_6", "no link with a joint at its end 6, there are 5"),
-    ("link_mass", "mass_8", "no link 8, there are 6"),
-    ("nest_offset", "offset_2_x", "no nest 2, there are 1"),
-    ("tool", "nest_4_x", "no nest 4, there are 1"),
-    ("tool_certificate", "certified_2_x", "no nest 2, there are 1"),
+    ("backlash", "gap_7", "no joint 7; there are 6"),
+    ("compliance", "c_2*mx_7", "no joint 7; there are 6"),
+    ("geometry", "alpha_9", "no joint 9; there are 6"),
+    ("joint_coupling", "coupling_6_0", "no joint 0; there are 6"),
+    ("joint_harmonics", "wave_7_2_sin", "no joint 7; there are 6"),
+    ("link_bending", "sag_6", "no link with a joint at its end 6; there are 5"),
+    ("link_mass", "mass_8", "no link 8; there are 6"),
+    ("nest_offset", "offset_2_x", "no nest 2; there are 1"),
+    ("tool", "nest_4_x", "no nest 4; there are 1"),
+    ("tool_certificate", "certified_2_x", "no nest 2; there are 1"),
 ]
 
 
@@ -69,9 +69,7 @@ def places(load):
 
 @pytest.mark.parametrize(("effect", "name"), STRANGE)
 def test_a_parameter_without_physics_is_refused_by_its_name(load, effect, name):
-    with pytest.raises(
-        ModelError, match=f"effect {effect}: the simulated physics has no parameter"
-    ) as refused:
+    with pytest.raises(ModelError, match=f"effect {effect}: the simulator has no parameter") as refused:
         realise(load((effect, name, 1e-4, "1")))
 
     assert f'"{name}"' in str(refused.value)
@@ -85,7 +83,7 @@ def test_a_part_that_the_robot_does_not_have_is_refused(load, effect, name, sent
 
 @pytest.mark.parametrize("effect", ["label_swap", "outliers", "own_idea"])
 def test_an_effect_without_physics_is_refused_by_its_name(load, effect):
-    with pytest.raises(ModelError, match=f"effect {effect}: the simulated physics has none of that name"):
+    with pytest.raises(ModelError, match=f"effect {effect}: the simulator does not know this effect"):
         realise(load(effects=[effect]))
 
 

@@ -324,9 +324,9 @@ def test_wild_legs_are_off_by_their_size_either_way():
         (lambda d: d["placements"][0]["poses"][0].update(legs=[[4, 1]]), "no leg 4-1"),
         (lambda d: d["placements"][0]["poses"][0].update(joints_deg=[0.0]), "must have 6 entries"),
         (lambda d: d["placements"][0]["poses"][0].update(joints_deg=[500.0] * 6), "config 100: joint 1"),
-        (lambda d: d["placements"][0]["poses"][0].update(aimed_mm=[300.0]), "one length per leg"),
+        (lambda d: d["placements"][0]["poses"][0].update(aimed_mm=[300.0]), "lengths, one per leg"),
         (lambda d: d["placements"][0]["poses"][0].update(leg=[]), 'unknown key "leg"'),
-        (lambda d: d["placements"][0].update(cups_mm=[[0, 0, 0]] * 3), "mm from the cup as planned"),
+        (lambda d: d["placements"][0].update(cups_mm=[[0, 0, 0]] * 3), "mm from the planned cup"),
         (lambda d: d.update(placements=3), 'key "placements" must be a list'),
     ],
 )

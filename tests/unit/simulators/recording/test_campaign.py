@@ -185,7 +185,7 @@ def test_the_sensor_shows_the_warm_up():
 def test_a_tool_that_nobody_sees_is_told():
     away = ToolSetup(acceptance_deg=0.001)
 
-    with pytest.raises(NoStopsError, match="configurations only, 50 are wanted"):
+    with pytest.raises(NoStopsError, match="configurations only; 50 are required"):
         record(replace(TILTED, tool=away), 1, RecordingRequest(40, 10))
 
 

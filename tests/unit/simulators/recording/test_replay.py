@@ -250,8 +250,8 @@ def test_campaigns_that_no_tracker_measured_are_refused(campaign, capsys, files,
     [
         (b"", "has no rows"),
         (b"config\n", "has no rows"),
-        (b"config,nest\n1\n", "line 2: 1 cells, the header has 2"),
-        (b"config\n\xff\n", "no table of comma-separated text in UTF-8"),
+        (b"config,nest\n1\n", "line 2: 1 cells, but the header has 2"),
+        (b"config\n\xff\n", "not a CSV table in UTF-8"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path, content, sentence):
@@ -266,7 +266,7 @@ def test_a_description_that_is_no_json_is_refused(campaign, capsys):
     (campaign.folder / "campaign.json").write_text("[")
 
     assert campaign.replay() == 2
-    assert "campaign.json is no JSON" in capsys.readouterr().err
+    assert "campaign.json is not JSON" in capsys.readouterr().err
 
 
 def test_the_measured_campaign_is_never_written_over(campaign, capsys):
@@ -282,7 +282,7 @@ def test_a_replay_without_a_model_is_refused(campaign, capsys):
         main(["irb120-clean", "--replay", str(campaign.folder), "--out", str(campaign.out)])
 
     assert ended.value.code == 2
-    assert "name the model of that robot too, with --model" in capsys.readouterr().err
+    assert "also give the model of that robot, with --model" in capsys.readouterr().err
 
 
 def test_deviations_along_and_across_the_beam_count_where_a_row_has_them():
