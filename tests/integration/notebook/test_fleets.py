@@ -73,7 +73,7 @@ def test_it_says_how_a_change_went(fleet):
     assert course["size_mm"].iloc[-1] == pytest.approx(
         fleet.changes["size_mm"][0], abs=4.0 * course["u_mm"].max()
     )
-    with pytest.raises(tp.TrueposeError, match="no change 2 among"):
+    with pytest.raises(tp.TrueposeError, match="no change 2: the fleet has 1 change"):
         fleet.course(2)
 
 
