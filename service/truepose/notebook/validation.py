@@ -115,7 +115,7 @@ class Validation:
     def _distance_errors(self) -> domain.DistanceErrors:
         if self.answer.distance_errors is None:
             raise ConfigurationError(
-                "There are no distance errors: they need two measured positions; lengths have none."
+                "There are no distance errors: at least two measured positions are needed, not lengths."
             )
         return self.answer.distance_errors
 

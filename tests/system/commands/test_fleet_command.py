@@ -86,7 +86,7 @@ def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(a
     [
         ("campaign,robot,day\n", "column instrument is missing"),
         ("campaign,robot,instrument,day\nrobot-00-month-0,a,t,May\n", "'May' is not a date"),
-        ("campaign,robot,instrument,day\nnobody,a,t,2026-05-01\n", "The table names 'nobody'"),
+        ("campaign,robot,instrument,day\nnobody,a,t,2026-05-01\n", "The table names campaign 'nobody'"),
         (
             "campaign,robot,instrument,day\nrobot-00-month-0,a,t,\nrobot-00-month-0,a,t,\n",
             "stands in two rows",

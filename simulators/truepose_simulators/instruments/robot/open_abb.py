@@ -227,7 +227,7 @@ class MotionProgram(ServerProgram):
 def _pose(values: FloatArray) -> FloatArray:
     """Placement from x y z [mm] and a quaternion, w first; raises InvalidPoseError."""
     if not np.any(values[3:]):
-        raise InvalidPoseError("a quaternion of length 0 is no orientation")
+        raise InvalidPoseError("a quaternion of length 0 is not an orientation")
     return motion(values[:3], from_quaternion(values[3:]))
 
 

@@ -68,7 +68,7 @@ class RtdeClient:
     def _set_outputs(self, payload: bytes) -> protocol.Packet:
         frequency_hz, names = protocol.requested_outputs(payload)
         if not (math.isfinite(frequency_hz) and frequency_hz > 0.0):
-            raise protocol.UrProtocolError(f"{frequency_hz} Hz is no frequency")
+            raise protocol.UrProtocolError(f"{frequency_hz} Hz is not a valid frequency")
         self._period_s = 1.0 / min(frequency_hz, _FASTEST_HZ)
         types = _types(names, READABLE)
         known = protocol.NOT_FOUND not in types

@@ -80,7 +80,7 @@ class Answers:
             value = self._controller.signals.get(path, "0")
             return [_state("ios-signal", name=path.rpartition("/")[2], lvalue=value)]
         if path not in self._tell:
-            raise NotFoundError(f"{path} is no resource here")
+            raise NotFoundError(f"{path} is not a resource here")
         return self._tell[path]()
 
     def done(self, request: HttpRequest) -> list[State] | None:
@@ -149,7 +149,7 @@ class Answers:
     def _switch(self, form: dict[str, str]) -> None:
         wanted = form.get("ctrl-state")
         if wanted not in {"motoron", "motoroff"}:
-            raise RefusedError(f"{wanted} is no state that can be set")
+            raise RefusedError(f"{wanted} is not a state that can be set")
         if self._controller.state not in {ControllerState.MOTORS_ON, ControllerState.MOTORS_OFF}:
             raise RefusedError(f"Operation is not allowed in {self._controller.state.value}")
         self._controller.switch(ControllerState(wanted))
@@ -157,7 +157,7 @@ class Answers:
     def _set_speed(self, form: dict[str, str]) -> None:
         percent = number(form.get("speed-ratio"))
         if not 0.0 <= percent <= 100.0:
-            raise RefusedError(f"{percent:g} % is no speed ratio")
+            raise RefusedError(f"{percent:g} % is not a valid speed ratio")
         self._controller.speed_percent = percent
 
 
