@@ -206,7 +206,7 @@ def validate(
     """
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
         raise ConfigurationError(
-            f"limit_mm, the largest acceptable error, must be above 0 mm (got {limit_mm:g} mm)."
+            f"limit_mm, the largest acceptable error, must be greater than 0 mm (got {limit_mm:g} mm)."
         )
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]

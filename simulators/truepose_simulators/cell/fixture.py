@@ -10,7 +10,7 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.rigid import FloatArray, motion, move, rotation
 from truepose_simulators.scenarios.table import require_at_least_0
 
-_NOT_THERE = "the base fixture is not there yet: put it down first"
+_NOT_THERE = "the base fixture is not in place yet: put it down first"
 
 
 @dataclass(frozen=True, slots=True)

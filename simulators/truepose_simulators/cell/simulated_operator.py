@@ -195,7 +195,7 @@ class Hands:
     def _side(self, side: _Side) -> None:
         artefact = _bar_set(side.artefact, "artefact")
         if side.a == side.b:
-            raise HandsError("a side is between two different points")
+            raise HandsError("a side needs two different points")
         self._need_bars(artefact, f"a side of the {artefact} triangle")
         kind: Literal["cup", "nest"] = "nest" if artefact == "tool" else "cup"
         if artefact == "base":
@@ -220,7 +220,7 @@ class Hands:
         self._need_still("the setting ball is fitted")
         self._need_ballbar_aside("the setting ball is fitted")
         if self.ball_fitted:
-            raise HandsError(f"the setting ball is in nest {_BALL_NEST} already")
+            raise HandsError(f"the setting ball is already in nest {_BALL_NEST}")
         self.ball_fitted = True
 
     def _remove_ball(self, _: _Nothing) -> None:
@@ -242,22 +242,22 @@ class Hands:
 
     def _pull_cable(self, _: _Nothing) -> None:
         if not self.ballbar.plugged:
-            raise HandsError("the cable of the ballbar is out already")
+            raise HandsError("the ballbar cable is already unplugged")
         self.ballbar.plugged = False
 
     def _plug_cable(self, _: _Nothing) -> None:
         if self.ballbar.plugged:
-            raise HandsError("the cable of the ballbar is in already")
+            raise HandsError("the ballbar cable is already plugged in")
         self.ballbar.plugged = True
 
     def _switch_off(self, _: _Nothing) -> None:
         if not self.ballbar.switched_on:
-            raise HandsError("the ballbar is switched off already")
+            raise HandsError("the ballbar is already switched off")
         self.ballbar.switched_on = False
 
     def _switch_on(self, _: _Nothing) -> None:
         if self.ballbar.switched_on:
-            raise HandsError("the ballbar is switched on already")
+            raise HandsError("the ballbar is already switched on")
         self.ballbar.switched_on = True
 
     def _put_between(self, first: Ball, second: Ball) -> None:
@@ -285,7 +285,7 @@ class Hands:
         if abs(length - nominal) > travel:
             raise HandsError(
                 f"the ballbar does not fit between {span.first} and {span.second}: they are {length:.1f} mm"
-                f" apart, and it goes from {nominal - travel:g} to {nominal + travel:g} mm"
+                f" apart, but it measures from {nominal - travel:g} to {nominal + travel:g} mm"
             )
 
     def _need_nest_off(self, base_points: Iterable[int], deed: str) -> None:
@@ -311,7 +311,7 @@ class Hands:
 
     def _need_still(self, deed: str) -> None:
         if self._workplace.robot_moves:
-            raise HandsError(f"the robot moves: wait until it stands still before {deed}")
+            raise HandsError(f"the robot is moving: wait until it stands still before {deed}")
 
     def _need_ballbar_aside(self, deed: str) -> None:
         seat = self.ballbar.seat(self._workplace.now_s)

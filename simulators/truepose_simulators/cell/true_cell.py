@@ -131,7 +131,7 @@ class Cell:
             # Where time is real a stop may be given meanwhile.
             await self.clock.sleep(min(left_s, _LOOK_S) if self.clock.waits else left_s)
         self.halt_robot()
-        raise ArmStoppedError("the arm was stopped, and does not move before the stop is released")
+        raise ArmStoppedError("the arm was stopped and does not move until the stop is released")
 
     def measured_here(self) -> None:
         """Note that something on the tool is read where the arm stands: that is what faults count."""

@@ -115,7 +115,10 @@ def test_a_file_of_ones_own_builds_on_another_key_by_key(write):
         ('robot = "irb120"\narm = 3', "mine.toml: [arm] must be a table of keys, not 3"),
         ('robot = "irb120"\n[air]\nwave_period_s = 0', 'key "wave_period_s" must be above 0'),
         ('robot = "irb120"\n[base]\nrotation_rad = [0, 0]', 'key "rotation_rad" must have 3 entries, not 2'),
-        ('robot = "irb120"\n[errors]\ncompliance_factor = [2, 1]', 'key "compliance_factor" must be a rising'),
+        (
+            'robot = "irb120"\n[errors]\ncompliance_factor = [2, 1]',
+            'key "compliance_factor" must be a rising range',
+        ),
         ('robot = "irb120"\n[[link]]\njoint = 7', 'mine.toml: [[link]] number 1: key "joint" must be 1 to 6'),
         ('robot = "irb120"\n[link]\njoint = 1', "[[link]] must be a list of tables, written with double"),
         ('robot = "irb120"\n[[effect]]\nname = "x"', '[[effect]] number 1: key "subject" is missing'),

@@ -129,7 +129,7 @@ async def rest_after(
         duration_s -= look_s
         if client.silent_s() > watched_s:
             cell.halt_robot()
-            raise ProgramStoppedError("nothing was heard of the client", drops=True)
+            raise ProgramStoppedError("the client sent nothing", drops=True)
     await cell.glide(duration_s)
 
 

@@ -78,7 +78,7 @@ _CLOSE_RAD = 1e-10
 
 
 class UnreachableError(SimulatorError):
-    """No configuration near the present one reaches the pose."""
+    """No configuration near the current one reaches the pose."""
 
 
 def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray:
@@ -104,7 +104,7 @@ def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray
             return joints
         step = np.linalg.lstsq(_jacobian(bodies), missing, rcond=1e-9)[0]
         joints = joints + step * min(1.0, _LONGEST_STEP_RAD / max(float(np.max(np.abs(step))), 1e-12))
-    raise UnreachableError("no configuration near the present one reaches the pose")
+    raise UnreachableError("no configuration near the current one reaches the pose")
 
 
 def _missing(present: FloatArray, wanted: FloatArray) -> FloatArray:

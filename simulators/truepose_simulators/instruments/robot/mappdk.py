@@ -154,7 +154,7 @@ class MappdkProgram(ServerProgram):
 
     async def _move_to(self, target: FloatArray, wanted: Motion) -> None:
         if wanted.speed < 1 or (wanted.speed > _FULL_PERCENT and not wanted.linear):
-            raise self._stopped("a speed must be above 0 and, of joints, up to 100 %")
+            raise self._stopped("a speed must be above 0, and a joint speed at most 100 %")
         check_range(self._cell.plant.arm, target)
         if wanted.linear:
             waypoints, frames = [], self._line_to(target)

@@ -208,12 +208,12 @@ class MotionProgram(ServerProgram):
             raise self._stopped("a speed must be above 0")
         share = self._controller.speed_percent / 100.0
         if not self._controller.runs or share <= 0.0:
-            raise self._stopped("the program stands, or its speed override at 0 %")
+            raise self._stopped("the program is stopped, or its speed override is 0 %")
         slowed = SpeedLimits(limits.tool_mm_s * share, limits.orientation_rad_s * share, joint_share=share)
         duration_s = self._cell.set_off(waypoints, slowed, self._tool[:3, 3]).duration_s
         await rest_after(self._cell, duration_s, self._client, watched_s=self._watched_s, look_s=_LOOK_S)
         if not self._controller.runs:
-            raise self._stopped("the program was stopped on the way")
+            raise self._stopped("the program was stopped during the motion")
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)
 

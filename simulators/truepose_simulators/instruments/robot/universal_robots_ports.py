@@ -93,7 +93,7 @@ class RtdeClient:
     def _take(self, payload: bytes) -> None:
         recipe = self._inputs.get(payload[0] if payload else 0)
         if recipe is None:
-            raise protocol.UrProtocolError("data for a recipe that was not agreed on")
+            raise protocol.UrProtocolError("data for a recipe that was not set up")
         self._controller.registers.update(recipe.unpack(payload))
 
     def _switch(self, *, on: bool) -> bool:

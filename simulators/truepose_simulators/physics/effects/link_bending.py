@@ -124,7 +124,7 @@ def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[Ben
 def _check_length(link: int, arm: Arm) -> None:
     if np.linalg.norm(_beam(arm, link)) < 1.0:
         raise ModelError(
-            f"effect link_bending: link {link} is shorter than 1 mm and cannot bend; take another model"
+            f"effect link_bending: link {link} is shorter than 1 mm and cannot bend; use another model"
         )
 
 

@@ -249,7 +249,7 @@ def test_without_pandas_a_frame_says_what_to_install(identified, monkeypatch):
 @pytest.mark.parametrize("limit_mm", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_limit_that_is_no_length_is_refused(model, limit_mm):
     with pytest.raises(
-        ConfigurationError, match="limit_mm, the largest acceptable error, must be above 0 mm"
+        ConfigurationError, match="limit_mm, the largest acceptable error, must be greater than 0 mm"
     ):
         tp.validate(model, _HELD_OUT, limit_mm=limit_mm)
 

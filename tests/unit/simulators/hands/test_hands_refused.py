@@ -35,7 +35,7 @@ from truepose_simulators.physics.effects import PlantedChange
         ("calibrator", {"bars": "long"}, 'key "bars" must be "tool" or "base"'),
         ("remove_ball", {}, "no setting ball in the tool"),
         ("clamp", {"base_point": 1}, "fit the setting ball in nest 1 first"),
-        ("plug_cable", {}, "in already"),
+        ("plug_cable", {}, "already plugged in"),
         ("place_base", {"placement": 0}, "count from 1"),
         ("place_base", {"placement": 1, "x_mm": 0.0}, "state all of them or none"),
     ],
@@ -75,9 +75,10 @@ async def test_the_ball_stands_in_the_way_of_nest_1_and_is_fitted_once(posed):
     cell = await posed()
     cell.hands.do("fit_ball", {})
 
-    for action, details in (("connect", {"base": 3, "tool": 1}), ("fit_ball", {})):
-        with pytest.raises(HandsError, match="the setting ball is in nest 1"):
-            cell.hands.do(action, details)
+    with pytest.raises(HandsError, match="the setting ball is in nest 1"):
+        cell.hands.do("connect", {"base": 3, "tool": 1})
+    with pytest.raises(HandsError, match="the setting ball is already in nest 1"):
+        cell.hands.do("fit_ball", {})
 
 
 async def test_the_ball_stays_while_the_robot_holds_it_in_a_clamped_cup(lrmate):
@@ -121,11 +122,11 @@ def test_before_anything_is_there_nothing_can_be_connected(lrmate):
         hands.do("connect", LEG)
 
     hands.do("calibrator", {"bars": "base"})
-    with pytest.raises(HandsError, match="the base fixture is not there yet"):
+    with pytest.raises(HandsError, match="the base fixture is not in place yet"):
         hands.do("connect", LEG)
 
     hands.do("fit_ball", {})
-    with pytest.raises(HandsError, match="the base fixture is not there yet"):
+    with pytest.raises(HandsError, match="the base fixture is not in place yet"):
         hands.do("clamp", {"base_point": 1})
 
 
@@ -134,7 +135,7 @@ async def test_hands_stay_away_from_a_moving_robot(posed):
     cell.robot.start([np.radians(OTHER_POSE)], SpeedLimits(), np.zeros(3), cell.clock.now_s)
 
     for action, details in (("connect", LEG), ("fit_ball", {}), ("clamp", {"base_point": 1})):
-        with pytest.raises(HandsError, match="the robot moves: wait until it stands still"):
+        with pytest.raises(HandsError, match="the robot is moving: wait until it stands still"):
             cell.hands.do(action, details)
 
 
@@ -188,7 +189,7 @@ async def test_a_ballbar_that_is_switched_off_says_nothing_and_is_torn_off_all_t
     cell.hands.do("switch_off", {})
 
     assert shown(cell).signal == "none"
-    with pytest.raises(HandsError, match="off already"):
+    with pytest.raises(HandsError, match="already switched off"):
         cell.hands.do("switch_off", {})
     await move(cell, OTHER_POSE)
     assert cell.hands.accidents == 1

@@ -95,7 +95,7 @@ class Answers:
         elif (path, action) in self._do:
             self._do[path, action](request.form)
         else:
-            raise NotFoundError(f"{path} knows no action {action!r}")
+            raise NotFoundError(f"{path} has no action {action!r}")
         return None
 
     def _identity(self) -> list[State]:
@@ -210,7 +210,7 @@ class Subscriptions:
         """Return the answer to a client that comes to listen; raises NotFoundError."""
         key = request.headers.get("sec-websocket-key")
         if key is None:
-            raise NotFoundError("this is a place for WebSockets")
+            raise NotFoundError("only WebSocket connections are accepted here")
         if request.path not in self._resources:
             raise NotFoundError(f"nothing was subscribed at {request.path}")
         digest = hashlib.sha1((key + _GUID).encode(), usedforsecurity=False).digest()

@@ -72,7 +72,7 @@ def test_the_handshake_is_that_of_the_standard(controller):
     assert head.startswith("HTTP/1.1 101 Switching Protocols\r\nupgrade: websocket\r\n")
     assert "sec-websocket-accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n" in head
     assert head.endswith("sec-websocket-protocol: robapi2_subscription\r\n\r\n")
-    with pytest.raises(NotFoundError, match="WebSockets"):
+    with pytest.raises(NotFoundError, match="only WebSocket connections"):
         subscribed(controller, PANEL).handshake(HttpRequest("GET", "/poll/1"))
 
 
