@@ -32,19 +32,19 @@ def _figure_in_degrees(path: str) -> FieldSource:
 
 
 class JointWaveDocument(Document):
-    """A wave of the angular error over the joint's angle: amplitude * cos(order * (angle - phase))."""
+    """Periodic part of the angular error over the joint angle: amplitude * cos(order * (angle - phase))."""
 
-    order: int = Field(description="Periods a turn.")
+    order: int = Field(description="Number of periods per turn.")
     amplitude_deg: Annotated[ValueDocument, _figure_in_degrees("amplitude_rad")]
     phase_deg: Annotated[Quantity, in_degrees("phase_rad")]
 
 
 class CircleStopsDocument(Document):
-    """Errors at the stops, against the circle through the place at `zero_deg`."""
+    """Errors at each configuration, relative to the circle through the position at `zero_deg`."""
 
     config: Integers
     angle_deg: Annotated[Quantities, in_degrees("errors.angle_rad")]
-    direction: Integers = Field(description="Sign of the joint's last motion, 0 unknown.")
+    direction: Integers = Field(description="Direction of the joint's last motion: 1, -1, or 0 if unknown.")
     radial_mm: Annotated[Quantities, FieldSource("errors.radial_mm")]
     axial_mm: Annotated[Quantities, FieldSource("errors.axial_mm")]
     tangential_mm: Annotated[Quantities, FieldSource("errors.tangential_mm")]
@@ -53,7 +53,7 @@ class CircleStopsDocument(Document):
 
 
 class CircleDocument(Document):
-    """What a sweep of one joint shows at one nest; the columns of Table 2.3 of the thesis, and more."""
+    """Results of one joint sweep measured at one nest, including the columns of Table 2.3 of the thesis."""
 
     joint: int
     nest: int
@@ -62,29 +62,31 @@ class CircleDocument(Document):
     tangential_range_mm: ValueDocument
     angular_range_deg: Annotated[ValueDocument, _figure_in_degrees("angular_range_rad")]
     backlash_deg: Annotated[ValueDocument | None, _figure_in_degrees("backlash_rad")] = Field(
-        description="Null: no angle was visited from both sides."
+        description="Backlash of the joint; null if no angle was approached from both sides."
     )
     radial_range_mm: Quantity
     axial_range_mm: Quantity
     radius_mm: Annotated[Quantity, FieldSource("errors.radius_mm")]
     zero_deg: Annotated[Quantity, in_degrees("errors.zero_rad")]
     noise_chance: Annotated[Quantity, FieldSource("curve.noise_chance")] = Field(
-        description="That scatter alone shows errors as large."
+        description="Probability that scatter alone causes errors this large."
     )
     noise_alone: Annotated[bool, FieldSource("is_noise")]
     gain: Annotated[ValueDocument | None, FieldSource("curve.gain")] = Field(
-        description="k1 - 1; null where the stops are too few."
+        description="Gain error k1 - 1; null if there are too few configurations."
     )
     waves: Annotated[list[JointWaveDocument], FieldSource("curve.waves")]
     left_deg: Annotated[Quantity, in_degrees("curve.left_rad")] = Field(
-        description="RMS of what neither gain, waves nor backlash follow."
+        description="RMS of the residual not explained by gain, periodic errors or backlash."
     )
-    set_aside: list[int] = Field(description="Configurations whose readings lie far off plane or circle.")
+    set_aside: list[int] = Field(
+        description="Configurations excluded because their readings lie far off the plane or circle."
+    )
     stops: Annotated[CircleStopsDocument, FieldSource("")]
 
 
 class WithheldCircleDocument(Document):
-    """A sweep that gives no circle, and why."""
+    """A sweep for which no circle could be computed, with the reason."""
 
     joint: int
     nest: int
@@ -92,7 +94,7 @@ class WithheldCircleDocument(Document):
 
 
 class CircleTestDocument(Document):
-    """What `truepose circles --json` prints, and `GET /sessions/{id}/circles` shows."""
+    """Result of `truepose circles --json` and of `GET /sessions/{id}/circles`."""
 
     robot: str
     circles: list[CircleDocument]
@@ -105,16 +107,16 @@ def circle_document(test: CircleTest, robot: str) -> CircleTestDocument:
 
 
 class SphereFiguresDocument(Document):
-    """Radial errors, measured less predicted; the columns of Tables 2.12 and 2.13 of the thesis, and more."""
+    """Radial errors, measured minus predicted, with the columns of Tables 2.12 and 2.13 of the thesis."""
 
-    nest: int | None = Field(description="Null: of all nests.")
+    nest: int | None = Field(description="Tool nest; null for all nests together.")
     n: int
     mean_mm: ValueDocument
     sd_mm: ValueDocument
     rms_mm: ValueDocument
-    max_mm: ValueDocument = Field(description="The largest size.")
-    config: int = Field(description="Configuration with the largest size.")
-    range_mm: ValueDocument = Field(description="Largest less smallest.")
+    max_mm: ValueDocument = Field(description="Largest absolute error.")
+    config: int = Field(description="Configuration with the largest absolute error.")
+    range_mm: ValueDocument = Field(description="Largest minus smallest error.")
 
     @classmethod
     def of_figures(cls, nest: int | None, figures: SphereFigures, sphere: Sphere) -> Self:
@@ -123,17 +125,17 @@ class SphereFiguresDocument(Document):
 
 
 class SphereErrorsDocument(Document):
-    """Errors of one model about one centre."""
+    """Radial errors of one model about one centre."""
 
-    model: str = Field(description="`nominal`, or the name that a model was given.")
+    model: str = Field(description="`nominal`, or the name given to the model.")
     centre: Annotated[str, FieldSource("errors.centre.is_fitted", ("taught", "best").__getitem__)] = Field(
-        description="`taught`: where the arm held the ball; `best`: where the lengths fit."
+        description="`taught`: centre where the arm held the ball; `best`: centre that fits the lengths best."
     )
     centre_mm: Annotated[Quantities, FieldSource("errors.centre.place_mm")] = Field(
-        description="In the world of the model."
+        description="Centre of the sphere in the world frame of the model."
     )
     noise_chance: Annotated[Quantity, FieldSource("errors.noise_chance")] = Field(
-        description="That scatter alone shows errors as large."
+        description="Probability that scatter alone causes errors this large."
     )
     noise_alone: Annotated[bool, FieldSource("is_noise")]
     figures: list[SphereFiguresDocument]
@@ -148,14 +150,16 @@ class SphereErrorsDocument(Document):
 
 
 class SphereDocument(Document):
-    """All lengths about one ball."""
+    """All lengths measured to one ball."""
 
     placement: int
     base_point: int
     config: Integers
     nest: Integers
     length_mm: Quantities
-    shown_mm: Quantities | None = Field(description="Lengths less the bar's; null: nobody said which bar.")
+    shown_mm: Quantities | None = Field(
+        description="Measured lengths minus the nominal bar length; null if the bar is unknown."
+    )
     errors: list[SphereErrorsDocument]
     withheld: list[Spoken]
 
@@ -166,20 +170,22 @@ class SphereDocument(Document):
 
 
 class SphereRankDocument(Document):
-    """RMS of all errors of a model."""
+    """RMS error of one model over all spheres."""
 
     model: str
     rms_mm: ValueDocument
 
 
 class SphereTestDocument(Document):
-    """What `truepose sphere --json` prints, and `GET /sessions/{id}/sphere` shows."""
+    """Result of `truepose sphere --json` and of `GET /sessions/{id}/sphere`."""
 
     robot: str
-    nominal_mm: Quantity | None = Field(description="Length of the bar.")
-    order: list[SphereRankDocument] = Field(description="Models, the most accurate first.")
+    nominal_mm: Quantity | None = Field(description="Nominal length of the bar.")
+    order: list[SphereRankDocument] = Field(description="Models, most accurate first.")
     spheres: list[SphereDocument]
-    skipped: int | None = Field(description="Stops that a person left out; null: nobody said.")
+    skipped: int | None = Field(
+        description="Number of configurations skipped by the operator; null if not known."
+    )
 
 
 def sphere_document(test: SphereTest, robot: str) -> SphereTestDocument:

@@ -25,19 +25,19 @@ from truepose.validation.outcome import Outcome
 
 
 class FailedTarget(Document):
-    """A target that was not corrected, and why."""
+    """A target that was not corrected, with the reason."""
 
     target: Annotated[str, FieldSource("", itemgetter(0))]
     status: Annotated[str, FieldSource("", itemgetter(1))] = Field(examples=["out_of_reach"])
 
 
 class LeftAloneDocument(Document):
-    """A place of a program, and why its numbers are as they were."""
+    """A statement of the program that was not corrected, with the reason."""
 
     line: int
     what: str = Field(examples=["MoveL Offs(p10,0,0,50)"])
     reason: Spoken
-    file: str | None = Field(description="Null: of the program itself.")
+    file: str | None = Field(description="Name of the file; null for the main program.")
 
 
 def _where_known(name: str, convert: Callable[[float], float]) -> FieldSource:
@@ -46,34 +46,37 @@ def _where_known(name: str, convert: Callable[[float], float]) -> FieldSource:
 
 
 class CorrectionDocument(Document):
-    """Counts and extremes of a table of targets; errors are the model's, uncertainties those of the robot."""
+    """Summary of the corrected targets; errors are those of the model, uncertainties those of the robot."""
 
     targets: int
     corrected: Annotated[int, FieldSource("solved")]
     statuses: dict[str, int] = Field(examples=[{"ok": 998, "out_of_reach": 2}])
     not_corrected: Annotated[list[FailedTarget], FieldSource("failed")] = Field(
-        description="The first hundred."
+        description="Targets that were not corrected; the first 100 at most."
     )
     largest_error_mm: Quantity
     mean_u_mm: Annotated[Quantity, FieldSource("mean_uncertainty_mm")] = Field(
-        description="Standard, per axis."
+        description="Mean standard uncertainty per axis."
     )
     largest_u_mm: Annotated[Quantity, FieldSource("largest_uncertainty_mm")]
-    far_moved: int = Field(description="Corrected ones at which a joint turns by more than 5 deg.")
+    far_moved: int = Field(
+        description="Number of corrected targets for which a joint differs by more than 5 deg from the "
+        "controller's solution."
+    )
     largest_move_deg: Annotated[Quantity, in_degrees("largest_move_rad")] = Field(
-        description="Of a joint, from the controller's own answer."
+        description="Largest joint difference from the controller's own solution."
     )
     outside: Annotated[int | None, _where_known("outside", int)] = Field(
-        description="Corrected ones outside the measured zone; null: it is unknown."
+        description="Number of corrected targets outside the measured zone; null if the zone is unknown."
     )
     farthest_outside_mm: Annotated[Quantity, _where_known("farthest_outside_mm", float)] = Field(
-        description="Of the last frame."
+        description="Farthest distance of the last frame outside the measured zone."
     )
     farthest_outside_deg: Annotated[Quantity, _where_known("farthest_outside_rad", math.degrees)] = Field(
-        description="Of a joint."
+        description="Farthest joint angle outside the measured zone."
     )
     left_alone: list[LeftAloneDocument] = Field(
-        description="What moves the robot of a program and is not corrected by changing numbers."
+        description="Statements that move the robot but cannot be corrected by changing numbers."
     )
 
 
@@ -92,9 +95,9 @@ def correction_of(
 
 
 class ProofErrorsDocument(Document):
-    """From each target to where its nest was read, target by target; x y z in the world."""
+    """Deviation of each measured nest position from its target; x, y, z in the world frame."""
 
-    config: Integers = Field(description="Of the uncorrected stop.")
+    config: Integers = Field(description="Number of the uncorrected configuration.")
     nest: Integers
     target_mm: Rows
     before_mm: Rows
@@ -102,32 +105,41 @@ class ProofErrorsDocument(Document):
 
 
 class ProofDocument(Document):
-    """The same targets without and with correction, as they were measured."""
+    """Comparison of the same targets measured without and with correction."""
 
     outcome: Annotated[
         SpokenOutcome, FieldSource("", lambda proof: Outcome(proof.before, proof.after).sentence)
     ] = ""
     targets: Annotated[int, FieldSource("before.n")] = Field(examples=[30])
     before: StatisticsDocument = Field(
-        description="Without correction: from the target to where the nest was read."
+        description="Errors without correction: measured nest position against target."
     )
-    after: StatisticsDocument = Field(description="With correction.")
+    after: StatisticsDocument = Field(
+        description="Errors with correction: measured nest position against target."
+    )
     before_relative: StatisticsDocument | None = Field(
-        description="After the best rigid alignment of the targets; null of fewer than four, or on a line."
+        description="Errors after the best rigid alignment; null for fewer than four targets or targets on "
+        "a line."
     )
     after_relative: StatisticsDocument | None
-    gain: Quantity = Field(description="Mean error without over mean error with correction.", examples=[12.4])
+    gain: Quantity = Field(
+        description="Ratio of the mean error without correction to the mean error with correction.",
+        examples=[12.4],
+    )
     gain_interval_95: list[Quantity] = Field(min_length=2, max_length=2, examples=[[10.1, 15.2]])
     promised_mean_mm: Annotated[Quantity, FieldSource("promised_mm")] = Field(
-        description="Mean error that model, arm and readings let expect."
+        description="Mean error predicted from the uncertainty of model, arm and readings."
     )
     keeps_promise: bool
-    proved: bool = Field(description="The correction helps beyond chance and keeps its promise.")
+    proved: bool = Field(
+        description="True if the correction is a significant improvement and achieves the predicted accuracy."
+    )
     foretold_share: Quantity = Field(
-        description="How much of the errors that the model foretells was there without correction; 1: all.",
+        description="Share of the errors predicted by the model that was present without correction; 1 "
+        "means all of it.",
         examples=[0.98],
     )
-    cautions: list[Spoken] = Field(description="What explains a correction that does not help.")
+    cautions: list[Spoken] = Field(description="Possible reasons why the correction does not help.")
     errors: ProofErrorsDocument
 
 

@@ -22,14 +22,14 @@ from truepose.validation.outcome import outcome_of
 
 
 class CauseDocument(Document):
-    """A cause by its name."""
+    """An error source, by effect and subject."""
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
 
 
 class DetailDocument(Document):
-    """One more number of a finding, in the unit that it names."""
+    """A further quantity of a finding, with its unit."""
 
     name: str = Field(examples=["order"])
     value: Quantity = Field(examples=[2.0])
@@ -38,17 +38,19 @@ class DetailDocument(Document):
 
 
 class GainDocument(Document):
-    """What the finding takes off the held-out errors."""
+    """Reduction of the held-out errors by the finding."""
 
     rms_before_mm: Quantity = Field(examples=[0.061])
     rms_after_mm: Quantity = Field(examples=[0.019])
     interval_95_mm: Quantities = Field(
-        min_length=2, max_length=2, description="Of the difference, before less after."
+        min_length=2,
+        max_length=2,
+        description="95 % confidence interval of the reduction (before minus after).",
     )
 
 
 class CurvePointsDocument(Document):
-    """Further readings of a curve, as its own are."""
+    """Additional readings of a curve, in the units of the curve."""
 
     x: Quantities
     residual: Quantities
@@ -56,7 +58,7 @@ class CurvePointsDocument(Document):
 
 
 class CurveDocument(Document):
-    """Residuals along one variable, with what was fitted to them; units stand beside."""
+    """Residuals plotted over one variable, with the fitted curve and the units of both."""
 
     variable: str = Field(examples=["angle of joint 4"])
     variable_unit: str = Field(examples=["deg"])
@@ -67,58 +69,69 @@ class CurveDocument(Document):
     standard_uncertainty: Quantities
     line_x: Quantities
     line: Quantities
-    line_band: Quantities = Field(description="Half width of the 95 % band.")
+    line_band: Quantities = Field(description="Half width of the 95 % confidence band.")
     unseen: CurvePointsDocument | None = Field(
-        None, description="Validation readings, which were never fitted; null where there are none to draw."
+        None, description="Validation readings, which were not used in the fit; null if there are none."
     )
 
 
 class SpectrumDocument(Document):
-    """Waves of one joint by their order."""
+    """Harmonics of one joint by order."""
 
-    order: Quantities = Field(description="Periods per turn, ascending.", examples=[[1.0, 2.0]])
+    order: Quantities = Field(description="Periods per turn, in ascending order.", examples=[[1.0, 2.0]])
     amplitude_deg: Quantities = Field(examples=[[0.021, 0.008]])
     standard_uncertainty_deg: Quantities = Field(examples=[[0.002, 0.002]])
 
 
 class WorthDocument(Document):
-    """How far a cause moves the tool over the calibration readings."""
+    """Effect size: displacement of the tool over the calibration readings caused by an error source."""
 
     mean_mm: Quantity = Field(examples=[0.041])
     max_mm: Quantity = Field(examples=[0.093])
     own_mm: Quantity = Field(
         None,
         examples=[0.031],
-        description="RMS by which they would be missed without it, all other parameters fitted again.",
+        description="RMS error of the calibration readings without this cause, after refitting all other "
+        "parameters.",
     )
 
 
 class FindingDocument(Document):
-    """One cause that the data show."""
+    """An error source found in the data."""
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
     amplitude: Quantity = Field(examples=[0.021])
     unit: str = Field(examples=["deg"])
     amplitude_standard_uncertainty: Quantity = Field(examples=[0.003])
-    p_value: Quantity = Field(description="Corrected for everything that was tried.")
+    p_value: Quantity = Field(description="p-value, corrected for all hypotheses tested.")
     confidence: Confidence
     details: list[DetailDocument]
     sentence: Spoken
-    confusable_with: list[CauseDocument] = Field(description="What these data cannot tell from it.")
+    confusable_with: list[CauseDocument] = Field(
+        description="Alternative causes that these data cannot distinguish from it."
+    )
     gain: GainDocument | None
-    share: Quantity = Field(description="Of the structure explained: 0 to 1.")
-    parameters: list[str] = Field(description="Their names in the extended model.")
+    share: Quantity = Field(description="Share of the systematic error explained by this finding, 0 to 1.")
+    parameters: list[str] = Field(description="Names of its parameters in the extended model.")
     curve: CurveDocument | None
-    where: str = Field("", examples=["joint 3"], description="Empty: it was stored before findings said so.")
-    over: str = Field("", examples=["direction"], description="What it depends on.")
+    where: str = Field(
+        "",
+        examples=["joint 3"],
+        description="Location of the error source; empty for results stored by earlier versions.",
+    )
+    over: str = Field("", examples=["direction"], description="Variable on which the error depends.")
     shape: Shape | None = Field(None, examples=["sign"])
-    worth: WorthDocument | None = Field(None, description="Null for what is wrong with readings.")
-    spectrum: SpectrumDocument | None = Field(None, description="Where it is several waves of a joint.")
+    worth: WorthDocument | None = Field(
+        None, description="Effect size; null if the cause lies in the readings."
+    )
+    spectrum: SpectrumDocument | None = Field(
+        None, description="Amplitudes by order; null unless the finding consists of several joint harmonics."
+    )
 
 
 class DependenceDocument(Document):
-    """Something that what is left depends on."""
+    """A variable on which the residuals still depend."""
 
     variable: str = Field(examples=["angle of joint 4"])
     p_value: Quantity
@@ -126,7 +139,7 @@ class DependenceDocument(Document):
 
 
 class DescribedDocument(Document):
-    """A place and a variable without a name, where the model holds a function."""
+    """A residual error modelled by an empirical function, without a named cause."""
 
     where: str = Field(examples=["joint 2"])
     over: str = Field(examples=["angle of joint 1"])
@@ -134,19 +147,21 @@ class DescribedDocument(Document):
 
 
 class RemainingDocument(Document):
-    """What the findings leave, and what of it is described without a name."""
+    """The residual errors after all findings, and the part modelled without a named cause."""
 
     structure: bool
     depends_on: list[DependenceDocument]
     sentence: Spoken
-    described: list[DescribedDocument] = Field([], description="Largest first; it is in the extended model.")
+    described: list[DescribedDocument] = Field(
+        [], description="Empirical functions in the extended model, largest first."
+    )
     described_gain: GainDocument | None = Field(
-        None, description="What all of it takes off the held-out errors beside the findings."
+        None, description="Further reduction of the held-out errors by these functions."
     )
 
 
 class NextMeasurementDocument(Document):
-    """What would tell causes apart; configurations can be added to a session."""
+    """A measurement that would separate alternative causes; its configurations can be added to a session."""
 
     sentence: Spoken
     configurations_deg: list[list[float]]
@@ -154,31 +169,33 @@ class NextMeasurementDocument(Document):
 
 
 class RuledOutDocument(Document):
-    """A cause that was looked at and not found, or that these data cannot show."""
+    """A cause that was tested and not found, or that cannot be seen in these data."""
 
     effect: str
     subject: str
     reason: Spoken
     p_value: Quantity
-    visible: bool = Field(description="False: these data cannot show it.")
+    visible: bool = Field(description="False if these data cannot show the cause.")
     upper_limit_mm: Quantity = Field(
         None,
         examples=[0.018],
-        description="How large it could still be (95 %), RMS at the tool over the measured configurations. "
-        "Null: these data cannot show it.",
+        description="Upper 95 % limit of the effect: RMS at the tool over the measured configurations. "
+        "Null if these data cannot show the cause.",
     )
 
 
 class NoiseDocument(Document):
-    """What the readings say of their own noise."""
+    """Noise of the readings, estimated from the data."""
 
-    scale: Quantity = Field(description="Scatter left over stated uncertainty.")
-    tail_degrees_of_freedom: Quantity = Field(description="Of Student's t; null: normal.")
+    scale: Quantity = Field(description="Ratio of the remaining scatter to the stated uncertainty.")
+    tail_degrees_of_freedom: Quantity = Field(
+        description="Degrees of freedom of Student's t; null for a normal distribution."
+    )
     sentence: Spoken
 
 
 class WorstDocument(Document):
-    """The held-out point at which the extended model is farthest off."""
+    """The held-out point with the largest error of the extended model."""
 
     config: int = Field(examples=[57])
     before_mm: Quantity
@@ -193,7 +210,7 @@ def _worst(found: object) -> object:
 
 
 class DiagnosisDocument(Document):
-    """What `truepose diagnose --json` prints."""
+    """Result of `truepose diagnose --json`."""
 
     robot: str
     verdict: Verdict
@@ -204,10 +221,12 @@ class DiagnosisDocument(Document):
     small_findings: list[FindingDocument] = Field(
         [],
         validation_alias=AliasChoices("small_findings", "small"),
-        description="Each takes less than 2 % off the held-out error; in the model as well.",
+        description="Findings that each reduce the held-out error by less than 2 %; included in the model.",
     )
     quantity: str = Field(examples=["position"])
-    nominal: StatisticsDocument | None = Field(None, description="Of the robot as its maker describes it.")
+    nominal: StatisticsDocument | None = Field(
+        None, description="Errors of the nominal robot, as specified by the manufacturer."
+    )
     before: StatisticsDocument | None
     after: StatisticsDocument | None
     held_out: HeldOut

@@ -135,7 +135,7 @@ Spoken: TypeAlias = Annotated[
 SpokenOutcome: TypeAlias = Annotated[
     Spoken,
     Field(
-        description="What every result begins with: error before and after, limit, pass or fail.",
+        description="One-sentence summary of the result: error before and after, limit, pass or fail.",
         examples=[
             "Mean error 0.499 mm before (nominal), 0.033 mm after; largest 0.0811 mm, limit 0.1 mm: pass."
         ],
@@ -144,7 +144,7 @@ SpokenOutcome: TypeAlias = Annotated[
 
 
 class Document(Outgoing):
-    """A document of the command line; keys may be added to it, never renamed."""
+    """Document printed by a command; keys may be added but are never renamed."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -156,7 +156,7 @@ class Document(Outgoing):
 
 
 class StatisticsDocument(Document):
-    """Norms of errors of n observations; `noise_mm` is the mean norm that stated uncertainties alone give."""
+    """Statistics of n error norms; `noise_mm` is the mean norm due to the stated uncertainties alone."""
 
     n: int = Field(examples=[50])
     mean_mm: Quantity = Field(examples=[0.021])
@@ -167,14 +167,14 @@ class StatisticsDocument(Document):
 
 
 class PairDocument(Document):
-    """The same statistics for the nominal model and the identified one."""
+    """Statistics for the nominal and the identified model."""
 
     nominal: StatisticsDocument
     identified: StatisticsDocument
 
 
 class TurnStatisticsDocument(Document):
-    """Angles between measured orientations and a model's; `noise_deg`: what stated noise alone gives."""
+    """Angles between measured and predicted orientations; `noise_deg` is due to the stated noise alone."""
 
     n: int = Field(examples=[50])
     mean_deg: Annotated[Quantity, in_degrees("mean_rad")] = Field(examples=[0.035])
@@ -185,7 +185,7 @@ class TurnStatisticsDocument(Document):
 
 
 class TurnPairDocument(Document):
-    """The same for the nominal model and the identified one."""
+    """Orientation statistics for the nominal and the identified model."""
 
     nominal: TurnStatisticsDocument
     identified: TurnStatisticsDocument

@@ -15,46 +15,55 @@ from truepose.exchange.robots.document import PLACEMENT
 
 
 class ZoneErrorDocument(Document):
-    """How far predictions are off over the measured zone."""
+    """Prediction error over the measured zone."""
 
     mean_mm: float = Field(examples=[0.021])
     max_mm: float = Field(examples=[0.094])
 
 
 class LeftOutDocument(Document):
-    """An effect of the model that the file cannot hold."""
+    """An effect of the model that the file format cannot represent."""
 
     effect: str = Field(examples=["compliance"])
     parameters: int = Field(examples=[5])
 
 
 class ToolPointDocument(Document):
-    """A nest in the controller's last frame."""
+    """Centre of a tool nest in the controller's last frame."""
 
     nest: int
     centre_mm: tuple[float, float, float]
 
 
 class ExportDocument(Document):
-    """What `truepose export --json` prints; the second part is of tables, the third of controllers."""
+    """Result of `truepose export --json`; some fields apply to tables only, others to controllers only."""
 
     form: str = Field(serialization_alias="as", examples=["urdf"])
     robot: str = Field(examples=["ABB IRB 120"])
     remarks: list[Spoken]
     nominal_error: ZoneErrorDocument | None = Field(
-        description="Of the nominal robot against the full model."
+        description="Error of the nominal robot relative to the full model."
     )
-    error: ZoneErrorDocument | None = Field(description="Of what the file holds against the full model.")
+    error: ZoneErrorDocument | None = Field(
+        description="Error of the exported file relative to the full model."
+    )
 
-    fitted: bool | None = Field(None, description="The table was fitted to the full model.")
+    fitted: bool | None = Field(None, description="True if the table was fitted to the full model.")
     left_out: list[LeftOutDocument] | None = None
 
-    model_error: ZoneErrorDocument | None = Field(None, description="Expected of the full model itself.")
-    joint_zeros_deg: list[float] | None = Field(None, description="True angle minus the one shown.")
+    model_error: ZoneErrorDocument | None = Field(
+        None, description="Expected error of the full model itself."
+    )
+    joint_zeros_deg: list[float] | None = Field(
+        None, description="True joint angle minus displayed joint angle."
+    )
     base_in_world: dict[str, Any] | None = None
     world_in_base: dict[str, Any] | None = None
     tool_points: list[ToolPointDocument] | None = None
-    tool_frame: dict[str, Any] | None = Field(None, description="Nest 1, x to nest 2, nest 3 beside x.")
+    tool_frame: dict[str, Any] | None = Field(
+        None,
+        description="Frame with its origin at nest 1, x axis towards nest 2, and nest 3 in the x-y plane.",
+    )
 
 
 def export_document(export: Export, robot: str) -> dict[str, Json]:

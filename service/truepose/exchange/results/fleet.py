@@ -41,21 +41,21 @@ def _date(day: float) -> date:
 
 
 class CauseDocument(Document):
-    """What changes in a robot or an instrument."""
+    """Cause of a change in a robot or an instrument."""
 
     effect: str
     subject: str
     waves_per_turn: Annotated[float | None, null_if_empty("order")] = Field(
-        description="Null: it is no wave."
+        description="Periods per turn; null if the error is not periodic."
     )
 
 
 class RivalDocument(Document):
-    """What explains a change as well, at odds of no worse than twenty to one."""
+    """An alternative explanation of a change, with odds of at most 20:1 against it."""
 
     scope: Annotated[Scope, FieldSource("change.scope")]
     what: Annotated[str, FieldSource("change.of")] = Field(
-        description="Serial number of a robot or an instrument; empty: the type."
+        description="Serial number of the robot or instrument; empty for the robot type."
     )
     cause: Annotated[CauseDocument, FieldSource("change.cause")]
     kind: Annotated[Kind, FieldSource("change.kind")]
@@ -64,21 +64,21 @@ class RivalDocument(Document):
 
 
 class PassingDocument(Document):
-    """When a limit is passed if a change goes on as it did; null: not in the reach of a calendar."""
+    """Forecast of when a limit is exceeded if the change continues; dates beyond the calendar are null."""
 
     limit_mm: float
-    day: Annotated[str | None, FieldSource("day", day_of)] = Field(
-        description="Half of the probability is before it."
+    day: Annotated[str | None, FieldSource("day", day_of)] = Field(description="Median date.")
+    earliest: Annotated[str | None, FieldSource("earliest", day_of)] = Field(
+        description="5 % quantile of the date."
     )
-    earliest: Annotated[str | None, FieldSource("earliest", day_of)] = Field(description="5 %.")
     latest: Annotated[str | None, FieldSource("latest", day_of)] = Field(
-        description="95 %; null: perhaps never."
+        description="95 % quantile of the date; null if the limit may never be exceeded."
     )
     sentence: Spoken
 
 
 class AlongDocument(Document):
-    """How far a change had come on each day after the first."""
+    """Size of a change on each measuring day after the first."""
 
     day: date
     size_mm: Quantity
@@ -86,15 +86,20 @@ class AlongDocument(Document):
 
 
 class ChangeDocument(RivalDocument):
-    """A change that is beyond chance."""
+    """A statistically significant change."""
 
-    size_mm: Quantity = Field(description="Root mean square of what it moves at the measured configurations.")
+    size_mm: Quantity = Field(
+        description="RMS displacement caused by the change at the measured configurations."
+    )
     standard_uncertainty_mm: Annotated[Quantity, FieldSource("size_u_mm")]
     chance: Annotated[Quantity, FieldSource("trial.chance")] = Field(
-        description="Of so much where nothing changes, of this one try."
+        description="Probability of a change this large by chance, in this single test."
     )
     rivals: list[RivalDocument]
-    passes: PassingDocument | None = Field(description="Null: it does not go on, as a step.")
+    passes: PassingDocument | None = Field(
+        description="Forecast of when the limit is exceeded; null if the change does not continue, such as "
+        "a step."
+    )
     course: list[AlongDocument]
     sentences: list[Spoken]
 
@@ -115,94 +120,105 @@ class ChangeDocument(RivalDocument):
 
 
 class DueDocument(Document):
-    """A robot, and what speaks for measuring it."""
+    """A robot, with the reason for measuring it."""
 
     robot: str
     why: Why
     last_measured_on: Annotated[date, FieldSource("last_day", _date)]
     instrument: Annotated[str | None, null_if_empty("instrument")] = Field(
-        description="That tells its change from a rival; null: any."
+        description="Instrument that would rule out an alternative explanation; null if any instrument "
+        "will do."
     )
     sentence: Spoken
 
 
 class SharedDocument(Document):
-    """A parameter as the type has it, in the unit that it names."""
+    """A parameter common to all robots of the type, with its unit."""
 
     name: str
     effect: str
     unit: str
     value: Quantity
-    between_robots: Quantity = Field(description="Standard deviation from robot to robot.")
-    between_robots_u: Quantity = Field(description="How well that is known.")
+    between_robots: Quantity = Field(description="Standard deviation between robots.")
+    between_robots_u: Quantity = Field(description="Standard uncertainty of `between_robots`.")
 
 
 class LeastDocument(Document):
-    """From which size on a cause that grows from the first campaign on would have been shown with 95 %."""
+    """Minimum detectable size (95 %) of a cause that grows from the first campaign on."""
 
     cause: CauseDocument
     size_mm: Annotated[Quantity, FieldSource("size_mm", np.max)] = Field(
-        description="In every robot measured twice; null: in one at no size."
+        description="Size detectable in every robot measured twice; null if not detectable in at least one "
+        "of them."
     )
     best_mm: Annotated[Quantity, FieldSource("size_mm", np.min)] = Field(
-        description="In the robot in which it shows best."
+        description="Size detectable in the most sensitive robot."
     )
 
 
 class LeastDriftDocument(Document):
-    """From which size on a drift of an instrument would have been shown with 95 %."""
+    """Minimum detectable drift (95 %) of an instrument."""
 
     instrument: str
-    days: Quantity = Field(description="From its first campaign to its last, over which it drifts.")
-    size_mm: Quantity = Field(description="At what it measured; null: at no size.")
-    um_per_m: Quantity = Field(description="Of all lengths.")
+    days: Quantity = Field(
+        description="Days from the first to the last campaign of the instrument, over which the drift is "
+        "assumed."
+    )
+    size_mm: Quantity = Field(
+        description="Detectable displacement of the measured positions; null if no drift is detectable."
+    )
+    um_per_m: Quantity = Field(description="Detectable scale error, relative to every measured length.")
 
 
 class NewRobotDocument(Document):
-    """What a further robot of the type needs, before it is measured: mean errors over the work volume."""
+    """Measurements needed for a further robot of the type: predicted mean errors over the work volume."""
 
     configurations: Annotated[int, FieldSource("pooled.n")]
     mean_mm: Annotated[Quantity, FieldSource("pooled.mean_mm")] = Field(
-        description="Promised with what the type says."
+        description="Predicted mean error with prior knowledge of the type."
     )
     interval_90_mm: Annotated[list[Quantity], FieldSource("pooled.interval_90_mm")] = Field(
-        description="Nine of ten robots have their mean within."
+        description="Interval that contains the mean error of nine robots out of ten."
     )
     without_type_mm: Annotated[Quantity, FieldSource("same_mm")] = Field(
-        description="As many of the same parameters, without the type."
+        description="Predicted mean error with the same number of configurations and parameters, but "
+        "without the type."
     )
     needed_without_type: Annotated[int | None, FieldSource("needed")] = Field(
-        description="For the same mean; null: more than 100."
+        description="Configurations needed for the same mean error without the type; null if more than 100."
     )
     usual_configurations: Annotated[int, FieldSource("alone.n")]
     usual_mm: Annotated[Quantity, FieldSource("alone.mean_mm")] = Field(
-        description="Promised by the usual effects of a robot of no known type."
+        description="Predicted mean error with the default effects, for a robot of unknown type."
     )
     sentence: Annotated[Spoken, FieldSource("", new_robot_said)]
 
 
 class GrownDocument(Document):
-    """What a check says of one cause."""
+    """Result of an interim check for one cause."""
 
     cause: CauseDocument
     size_mm: Quantity
     standard_uncertainty_mm: Annotated[Quantity, FieldSource("u_mm")] = Field(
-        description="Null: the check does not see it."
+        description="Standard uncertainty of the size; null if the check cannot detect the cause."
     )
-    chance: Quantity = Field(description="Of so much where it has not grown, of this one cause.")
+    chance: Quantity = Field(
+        description="Probability of a size this large by chance if the cause has not grown, in this single "
+        "test."
+    )
     told: Annotated[bool, FieldSource("is_told")] = Field(
-        description="Beyond chance, at a level of 5 % over all causes together."
+        description="True if significant at the 5 % level over all causes together."
     )
     would_show_mm: Annotated[Quantity, FieldSource("least_mm")] = Field(
-        description="From which size on, with 95 %; null: at none."
+        description="Minimum detectable size (95 %); null if not detectable at any size."
     )
 
 
 class CheckedDocument(Document):
-    """What a check of one robot says."""
+    """Result of an interim check of one robot."""
 
     robot: str
-    causes: list[GrownDocument] = Field(description="The least likely to be chance first.")
+    causes: list[GrownDocument] = Field(description="Causes, most significant first.")
     sentences: list[Spoken]
 
     @classmethod
@@ -212,16 +228,16 @@ class CheckedDocument(Document):
 
 
 class LeftOutDocument(Document):
-    """A campaign that is not compared."""
+    """A campaign excluded from the comparison."""
 
     campaign: str
     why: str
 
 
 class FleetDocument(Document):
-    """What `truepose fleet --json` prints."""
+    """Result of `truepose fleet --json`."""
 
-    robot: str = Field(description="The type.")
+    robot: str = Field(description="Robot type.")
     robots: list[str]
     instruments: list[str]
     campaigns: int
@@ -229,15 +245,26 @@ class FleetDocument(Document):
     last: date
     simulated: bool
     limit_mm: float
-    tried: int = Field(description="Ways in which robots, type and instruments may change.")
-    scatter: Quantity = Field(description="Of campaigns, over what their readings say; 1: as they say.")
+    tried: int = Field(
+        description="Number of possible changes of robots, type and instruments that were tested."
+    )
+    scatter: Quantity = Field(
+        description="Ratio of the scatter between campaigns to that expected from their readings; 1 if as "
+        "expected."
+    )
     changes: list[ChangeDocument]
-    would_show: list[LeastDocument] = Field(description="A change smaller than that may be there unseen.")
+    would_show: list[LeastDocument] = Field(
+        description="Minimum detectable changes; a smaller change may be present without being detected."
+    )
     drifts_would_show: list[LeastDriftDocument]
-    next: list[DueDocument] = Field(description="Every robot, the one to be measured next first.")
-    new_robot: NewRobotDocument | None = Field(None, description="Asked by --new or --pooled.")
-    checked: CheckedDocument | None = Field(None, description="Asked by --checked.")
-    type: list[SharedDocument] = Field(description="What robots of the type have in common.")
+    next: list[DueDocument] = Field(description="All robots, in the order in which to measure them next.")
+    new_robot: NewRobotDocument | None = Field(
+        None, description="Forecast for a new robot; only with --new or --pooled."
+    )
+    checked: CheckedDocument | None = Field(
+        None, description="Result of the interim check; only with --checked."
+    )
+    type: list[SharedDocument] = Field(description="Parameters common to all robots of the type.")
     left_out: list[LeftOutDocument]
     sentences: list[Spoken]
 

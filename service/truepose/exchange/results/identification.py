@@ -28,28 +28,34 @@ from truepose.validation.outcome import outcome_of
 
 
 class BlocksDocument(Document):
-    """Statistics by the readings they are of; `cross_validation` stands where there is no `validation`."""
+    """Statistics by group of readings; `cross_validation` takes the place of a missing `validation`."""
 
     calibration: PairDocument | None = None
     calibration_without_outliers: PairDocument | None = None
     validation: PairDocument | None = None
     cross_validation: PairDocument | None = None
     validation_relative: PairDocument | None = Field(
-        None, description="Held-out positions after the best rigid alignment: the base may stand anywhere."
+        None,
+        description="Held-out positions after the best rigid alignment, so independent of the position "
+        "of the base.",
     )
     cross_validation_relative: PairDocument | None = None
     validation_position: PairDocument | None = Field(
-        None, description="Of a model of lengths: held-out positions, tied to the world by the measured cups."
+        None,
+        description="For a model of lengths: held-out positions, referred to the world frame by the "
+        "measured cups.",
     )
     validation_position_aligned: PairDocument | None = Field(
-        None, description="Of a model of lengths: held-out positions after the best rigid alignment."
+        None, description="For a model of lengths: held-out positions after the best rigid alignment."
     )
-    calibration_orientation: TurnPairDocument | None = Field(None, description="Where poses were read.")
+    calibration_orientation: TurnPairDocument | None = Field(
+        None, description="Orientation errors of the calibration readings; only if poses were measured."
+    )
     validation_orientation: TurnPairDocument | None = None
 
 
 class ParameterDocument(Document):
-    """An identified parameter in the unit that it names."""
+    """An identified parameter, with its unit."""
 
     name: str = Field(examples=["a_3"])
     effect: str = Field(examples=["geometry"])
@@ -57,29 +63,29 @@ class ParameterDocument(Document):
     unit: Annotated[str, UNIT] = Field(examples=["mm"])
     standard_uncertainty: Annotated[Quantity, in_file_unit("standard_uncertainty")] = Field(examples=[0.011])
     prior_width: Annotated[Quantity, in_file_unit("prior_width")] = Field(
-        description="What was expected of it beforehand.", examples=[0.5]
+        description="Prior standard deviation.", examples=[0.5]
     )
 
 
 class NotIdentifiableDocument(Document):
-    """Parameters that the data see only together, or not at all."""
+    """Parameters that cannot be identified separately, or not at all, from these data."""
 
     parameters: list[str] = Field(examples=[["theta_6", "nest_1_x"]])
     reason: Spoken
 
 
 class OutlierDocument(Document):
-    """A reading that was given no weight; it stays in the data."""
+    """A reading with zero weight; it remains in the data."""
 
     config: int
     reason: Spoken
-    nest: int = Field(description="Tool nest.")
-    row: int = Field(description="Of its table, from 0.")
+    nest: int = Field(description="Number of the tool nest.")
+    row: int = Field(description="Row of its table, starting at 0.")
     residual_mm: Quantity
 
 
 class CountsDocument(Document):
-    """How many of what took part."""
+    """Numbers of configurations, observations, parameters and outliers."""
 
     configurations: int
     observations: int
@@ -88,17 +94,19 @@ class CountsDocument(Document):
 
 
 class PureErrorDocument(Document):
-    """What revisited configurations say: repeatability, and whether the model lacks something beyond it."""
+    """Result of repeat measurements: repeatability, and a test for lack of fit of the model."""
 
     revisits: int
     degrees_of_freedom: int
-    repeatability_mm: Quantity = Field(description="Standard deviation per axis, from revisits alone.")
+    repeatability_mm: Quantity = Field(
+        description="Standard deviation per axis, from repeat measurements only."
+    )
     lack_of_fit_ratio: Quantity
     p_value: Quantity
 
 
 class IdentificationDocument(Document):
-    """What `truepose identify --json` prints."""
+    """Result of `truepose identify --json`."""
 
     robot: str
     status: Status
@@ -112,7 +120,9 @@ class IdentificationDocument(Document):
     outliers: list[OutlierDocument]
     statistics: BlocksDocument
     chi2_per_dof: Quantity
-    pure_error: PureErrorDocument | None = Field(description="Null where no configuration was revisited.")
+    pure_error: PureErrorDocument | None = Field(
+        description="Statistics of repeat measurements; null if no configuration was repeated."
+    )
 
     @classmethod
     def of_robot(cls, identification: Identification, robot: str) -> Self:
@@ -149,7 +159,7 @@ def identification_document(identification: Identification, robot_name: str) -> 
 
 
 class SpreadDocument(Document):
-    """How a parameter scattered, in the unit that it names."""
+    """Scatter of one parameter over the resampled fits, with its unit."""
 
     name: str
     effect: str
@@ -162,7 +172,7 @@ class SpreadDocument(Document):
 
 
 class ResamplingDocument(Document):
-    """What `truepose resample --json` prints."""
+    """Result of `truepose resample --json`."""
 
     robot: str
     by: Annotated[Way, FieldSource("way")]

@@ -12,53 +12,76 @@ from truepose.planning.prediction.plan import Assumptions, BallbarPoses, Promise
 
 
 class PromiseDocument(Document):
-    """The accuracy that a number of configurations promises: norms of position errors over the volume."""
+    """Predicted accuracy for a number of configurations: norms of position errors over the work volume."""
 
     n: int
-    mean_mm: Quantity = Field(description="Expected mean over the volume, of where the arm is on average.")
-    worst_mm: Quantity = Field(description="Expected largest in the volume.")
-    interval_90_mm: Quantities = Field(description="Nine calibrations of ten have their mean within.")
-    visit_mean_mm: Quantity = Field(description="Mean of single visits: with the arm's own scatter.")
+    mean_mm: Quantity = Field(
+        description="Expected mean error over the work volume, for the mean attained position."
+    )
+    worst_mm: Quantity = Field(description="Expected largest error in the work volume.")
+    interval_90_mm: Quantities = Field(
+        description="Interval that contains the mean error of nine calibrations out of ten."
+    )
+    visit_mean_mm: Quantity = Field(
+        description="Expected mean error of single visits, including the repeatability of the arm."
+    )
 
 
 class UndeterminedParameters(Document):
-    """Parameters that the configurations cannot determine, and why."""
+    """Parameters that the configurations cannot determine, with the reason."""
 
     parameters: list[str]
     reason: Spoken
 
 
 class PlanAssumptions(Document):
-    """What the promise takes for granted; standard deviations per axis."""
+    """Assumptions behind the predicted accuracy; standard deviations are per axis."""
 
     reading_mm: Quantity
     repeatability_mm: Quantity
-    discrepancy_mm: Quantity = Field(description="What no parameter expresses.")
-    discrepancy_known_to: Quantity = Field(description="Relative standard deviation of that figure.")
-    kept_out: list[str] = Field(description="Names of the keep-out volumes that nothing of the arm enters.")
+    discrepancy_mm: Quantity = Field(description="Assumed model discrepancy.")
+    discrepancy_known_to: Quantity = Field(
+        description="Relative standard deviation of the assumed discrepancy."
+    )
+    kept_out: list[str] = Field(
+        description="Names of the keep-out volumes that the arm and tool must not enter."
+    )
 
 
 class PlacementDocument(Document):
-    """Where the base fixture of a ballbar stands: its cups in the world."""
+    """Position of the ballbar base fixture: its cups in the world frame."""
 
     number: int
     cups_mm: list[list[float]]
 
 
 class PlanDocument(Document):
-    """Configurations to measure, and what they promise."""
+    """Planned configurations and their predicted accuracy."""
 
     robot: str
     instrument: Literal["tracker", "ballbar", "closed loop"]
     configurations_deg: list[list[float]]
-    nests: list[int] | None = Field(None, description="Tool nest that faces the tracker, or takes part.")
-    targets: list[list[int]] | None = Field(None, description="Targets that are read, in a closed loop.")
-    legs: list[list[list[int]]] | None = Field(None, description="Base and tool point of each length.")
-    placement: list[int] | None = Field(None, description="Of the base fixture, of each configuration.")
+    nests: list[int] | None = Field(
+        None, description="Tool nest that faces the tracker or is used, for each configuration."
+    )
+    targets: list[list[int]] | None = Field(
+        None, description="Targets read at each configuration, in a closed loop."
+    )
+    legs: list[list[list[int]]] | None = Field(
+        None, description="Base point and tool point of each length, for each configuration."
+    )
+    placement: list[int] | None = Field(
+        None, description="Placement of the base fixture for each configuration."
+    )
     placements: list[PlacementDocument] | None = None
-    n: int = Field(description="Configurations that the promise rests on, measured ones included.")
+    n: int = Field(
+        description="Number of configurations behind the predicted accuracy, including those already "
+        "measured."
+    )
     measured: int
-    advised: int = Field(description="The knee of the curve.")
+    advised: int = Field(
+        description="Recommended number of configurations, at the knee of the accuracy curve."
+    )
     predicted: list[PromiseDocument]
     open: list[UndeterminedParameters]
     observability: dict[str, float] = Field(examples=[{"O1": 64.8}])
