@@ -158,22 +158,23 @@ _OF_STATUS: Mapping[int, str] = {  # what has a status and no exception of its o
 
 
 class Problem(BaseModel):
-    """What went wrong, where, and what to do."""
+    """What went wrong, where, and what to do about it."""
 
     type: str = Field(
-        description="Identifies the kind of problem; `urn:truepose:problem:name`: give another name.",
+        description="Kind of problem; `urn:truepose:problem:name` asks for a different name.",
         examples=["urn:truepose:problem:not-found"],
     )
-    title: str = Field(description="The HTTP status in words.", examples=["Not Found"])
-    status: int = Field(description="The HTTP status.", examples=[404])
-    detail: str = Field(description="One sentence for whoever reads it.", examples=["There is no session 7."])
-    instance: str = Field(description="The path that was asked for.", examples=["/api/v1/sessions/7"])
-    code: str = Field(description="To be quoted; the same in every language.", examples=["TP-1020"])
-    meaning: str = Field(
-        description="What it means for the data.", examples=["Nothing was stored or changed."]
+    title: str = Field(description="Reason phrase of the HTTP status.", examples=["Not Found"])
+    status: int = Field(description="HTTP status code.", examples=[404])
+    detail: str = Field(description="Explanation in one sentence.", examples=["There is no session 7."])
+    instance: str = Field(description="Path of the request.", examples=["/api/v1/sessions/7"])
+    code: str = Field(
+        description="Error code to quote in support requests; the same in every language.",
+        examples=["TP-1020"],
     )
-    action: str = Field(description="What to do now.", examples=["Look up the number in the list."])
-    code_url: str = Field(description="The page of the code.", examples=["/errors/TP-1020"])
+    meaning: str = Field(description="Consequence for the data.", examples=["Nothing was stored or changed."])
+    action: str = Field(description="What to do next.", examples=["Look up the number in the list."])
+    code_url: str = Field(description="Page that explains the error code.", examples=["/errors/TP-1020"])
 
 
 def problem_response(

@@ -32,17 +32,17 @@ from truepose.web.problems import MEDIA_TYPE, UNKNOWN_PARAMETER
 from truepose.web.schemas import KEY, NUMBER_LIMIT, VISIBLE
 
 _MEANING: Mapping[int, str] = {
-    400: "The request cannot be read.",
-    401: "Nobody is signed in, or name and secret do not go together.",
-    403: "Whoever asks may not, or has to show once more who they are.",
-    404: "There is no such thing.",
+    400: "The request cannot be parsed.",
+    401: "Nobody is signed in, or the name and secret do not match.",
+    403: "The caller is not permitted to do this, or must authenticate again.",
+    404: "The resource does not exist.",
     408: "The body did not arrive in time.",
-    409: "Not in the present state.",
+    409: "The request is not possible in the present state.",
     413: "The body is too large.",
-    415: "The body has a type that is not understood here.",
-    422: "The request is readable and wrong; the sentence names the field.",
-    429: "It was tried too often; `Retry-After` says when to try again.",
-    503: "A device or the disk does not answer, or too many ask at once.",
+    415: "The media type of the body is not supported.",
+    422: "The request is well-formed but invalid; `detail` names the field.",
+    429: "There were too many attempts; `Retry-After` says when to try again.",
+    503: "A device or the disk does not respond, or too many requests are in progress.",
 }
 
 
@@ -158,13 +158,16 @@ def _operation_id(route: APIRoute) -> str:
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 ModelId = Annotated[int, Query(ge=1, le=NUMBER_LIMIT, description="Number of the model.", examples=[3])]
 WantedModel = Annotated[
-    int | None, Query(alias="model_id", ge=1, le=NUMBER_LIMIT, description="Which model a form begins with.")
+    int | None,
+    Query(
+        alias="model_id", ge=1, le=NUMBER_LIMIT, description="Number of the model that the form preselects."
+    ),
 ]
 ModelIds = Annotated[
     list[Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]],
     Query(default_factory=list, max_length=8, description="Numbers of models.", examples=[[3]]),
 ]
-Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as the list gives it.")]
+Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as given in the list.")]
 IdempotencyKey = Annotated[
     str | None,
     Header(
@@ -172,8 +175,8 @@ IdempotencyKey = Annotated[
         min_length=1,
         max_length=128,
         pattern=KEY,
-        description="Any text of your own. A request sent again with the same key makes nothing twice: "
-        "it answers with what the first one made.",
+        description="Text of your choice. A repeated request with the same key creates nothing new and "
+        "returns the result of the first one.",
         examples=["3f1c6a9e-plan-left-arm"],
     ),
 ]
@@ -183,8 +186,8 @@ Prefer = Annotated[
     str | None,
     Header(
         max_length=200,
-        description="`respond-async`: answer at once with the job that does it (202), which is watched and "
-        "cancelled at `/jobs` (RFC 7240); else the answer comes when it is done.",
+        description="`respond-async`: respond at once with a job (202), which can be followed and "
+        "cancelled at `/jobs` (RFC 7240). Otherwise the response comes when the work is done.",
         examples=[RESPOND_ASYNC],
     ),
 ]
@@ -197,8 +200,8 @@ NeededKey = Annotated[
         min_length=1,
         max_length=128,
         pattern=KEY,
-        description="Any text of your own. An act sent again with the same key is done once: it answers with "
-        "the sentence and the entry of the first one.",
+        description="Text of your choice. A repeated command with the same key is executed only once and "
+        "returns the sentence and entry of the first one.",
         examples=["3f1c6a9e-store-leg-2-3"],
     ),
 ]
@@ -251,22 +254,22 @@ MOST: Final = 500  # of a page, however many are asked for
 _TOTAL: Final = "Total-Count"
 _HEADERS: Final[dict[str, Any]] = {
     _TOTAL: {
-        "description": "How many records the whole list has.",
+        "description": "Total number of records in the list.",
         "schema": {"type": "integer", "minimum": 0},
         "example": 1204,
     },
     "Link": {
-        "description": 'Where the next page is, as `<...>; rel="next"` (RFC 8288); absent on the last one.',
+        "description": 'Link to the next page, as `<...>; rel="next"` (RFC 8288); absent on the last page.',
         "schema": {"type": "string"},
         "example": '</api/v1/sessions?after=100&limit=100>; rel="next"',
     },
 }
-After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List records above this number.")]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Only records with a higher number.")]
 LeftOut = Annotated[
-    int, Query(ge=0, le=NUMBER_LIMIT, description="How many are left out from the beginning of the list.")
+    int, Query(ge=0, le=NUMBER_LIMIT, description="Number of entries to skip at the beginning of the list.")
 ]
 Limit = Annotated[
-    int, Query(ge=1, le=1000, description=f"At most so many records; a page never has more than {MOST}.")
+    int, Query(ge=1, le=1000, description=f"Maximum number of records; a page has {MOST} at most.")
 ]
 
 
@@ -346,7 +349,7 @@ async def receiving(within_s: float, what: str, lost: str) -> AsyncIterator[None
         async with asyncio.timeout(within_s):
             yield
     except TimeoutError as error:
-        sentence = f"The {what} did not arrive within {within_s:.0f} s; {lost}, send it again."
+        sentence = f"The {what} did not arrive within {within_s:.0f} s; {lost}. Send it again."
         raise HTTPException(HTTPStatus.REQUEST_TIMEOUT, sentence) from error
 
 

@@ -22,8 +22,9 @@ PressedAt = Annotated[
     float | None,
     Field(
         ge=0,
-        description="When it was pressed: the `Truepose-Time` of the service's newest answer, and what has "
-        "passed since. Where it was under way for more than 3 s it lets nothing move. Null: just now.",
+        description="Time of the button press: `Truepose-Time` of the latest response plus the time "
+        "elapsed since. A request that was in transit for more than 3 s moves nothing. Null "
+        "means now.",
         examples=[81234.5],
     ),
 ]
@@ -54,13 +55,14 @@ NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every c
 Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
 RecordId = Annotated[int, Field(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 RecordedAt = Annotated[
-    str, Field(description="When it was recorded: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
+    str, Field(description="Time of recording: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
 ]
 Point = Annotated[list[float], Field(min_length=3, max_length=3, examples=[[512.4, -33.1, 640.2]])]
 ReasonKey = Annotated[
     str,
     Field(
-        description="Which sentence that is, in every language; empty: several, or somebody's own words.",
+        description="Message key of the reason, the same in every language; empty for several messages or "
+        "free text.",
         examples=["session.pause_asked"],
     ),
 ]
@@ -69,8 +71,8 @@ PromptAnswered = Annotated[
     Field(
         ge=1,
         le=NUMBER_LIMIT,
-        description="`id` of the prompt that the person saw; where another one is asked by now the "
-        "answer is refused. Null: whatever is asked.",
+        description="`id` of the prompt that the person saw; the answer is refused if another prompt has "
+        "replaced it. Null answers whichever prompt is open.",
         examples=[57],
     ),
 ]
@@ -80,7 +82,7 @@ PersonName = Annotated[
         min_length=1,
         max_length=LONGEST_NAME,
         pattern=NAME_PATTERN,
-        description="Who looked at the cell.",
+        description="Name of the person at the cell.",
         examples=["Ada Byron"],
     ),
     AfterValidator(tidy_name),
@@ -88,7 +90,7 @@ PersonName = Annotated[
 
 
 class Request(BaseModel):
-    """A body that a client sends: unknown keys are refused, numbers are finite."""
+    """Request body: unknown keys are refused, numbers must be finite."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
     person_asks: ClassVar[bool] = True  # whom a body names as `person` is whoever sends it
@@ -100,7 +102,7 @@ class Request(BaseModel):
         try:
             return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
         except RecursionError as error:
-            raise PydanticCustomError("too_deep", "it is nested too deep") from error
+            raise PydanticCustomError("too_deep", "the JSON is nested too deeply") from error
 
     @model_validator(mode="before")
     @classmethod
@@ -139,7 +141,7 @@ def _day(value: object) -> object:
     if not isinstance(value, str):
         return value
     if len(value) != len("2026-03-03"):
-        raise ValueError("a day as 2026-03-03 is required")
+        raise ValueError("a date such as 2026-03-03 is required")
     return date.fromisoformat(value)
 
 
@@ -151,17 +153,17 @@ def _sayable(document: dict[str, Any]) -> dict[str, Any]:
     try:
         json.dumps(document, allow_nan=False)
     except ValueError as error:
-        said = "a number that is not finite (NaN, Infinity) is no JSON; send null, or leave it out"
+        said = "numbers must be finite, as NaN and Infinity are not valid JSON; send null or omit the key"
         raise PydanticCustomError("finite_number", said) from error
     except RecursionError as error:
-        raise PydanticCustomError("too_deep", "it is nested too deep") from error
+        raise PydanticCustomError("too_deep", "the JSON is nested too deeply") from error
     return document
 
 
 FreeDocument = Annotated[dict[str, Any], AfterValidator(_sayable)]  # of which the service knows no form
 Simulated = Annotated[
     bool,
-    Field(description="True: the readings say of themselves that no robot and no instrument took part."),
+    Field(description="True if the readings are marked as simulated, without a real robot or instrument."),
 ]
 
 
@@ -189,7 +191,7 @@ def _kept(name: str, value: object) -> object:
 
 
 class Reply(Outgoing):
-    """A body that the service sends; angles that its value has in rad are given in deg."""
+    """Response body; angles are in degrees."""
 
     model_config = ConfigDict(extra="forbid")
 

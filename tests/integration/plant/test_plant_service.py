@@ -169,7 +169,7 @@ async def test_a_hand_down_that_no_cell_could_take_is_refused_at_the_door(servic
     )
 
     assert answer.status_code == 422
-    assert answer.json()["detail"].startswith("document: a number that is not finite")
+    assert answer.json()["detail"].startswith("document: numbers must be finite")
 
 
 async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch):

@@ -17,11 +17,13 @@ class ConfigurationRequest(Request):
     joints_deg: list[AngleDeg] = Field(
         min_length=1, max_length=32, description="Nominal joint angles.", examples=[[0, 45, -30, 0, 30, 0]]
     )
-    nest: Number | None = Field(None, description="Tool nest; null: the one that faces the tracker best.")
+    nest: Number | None = Field(
+        None, description="Tool nest; null selects the one that faces the tracker best."
+    )
 
 
 class AdditionRequest(Request):
-    """Configurations to add to the plan of a session, as a diagnosis proposes them or of one's own."""
+    """Configurations to add to the plan of a session, proposed by a diagnosis or chosen by the user."""
 
     model_config = example({
         "person": "Ada Byron",
@@ -32,18 +34,18 @@ class AdditionRequest(Request):
     configurations: list[ConfigurationRequest] = Field(min_length=1, max_length=1000)
     leave_out_unfit: bool = Field(
         False,
-        description="Leave out what cannot be measured in this cell, with its reason in the reply; else one "
-        "such configuration refuses the request.",
+        description="True: omit configurations that cannot be measured in this cell and give the reasons "
+        "in the reply. False: refuse the request if there is such a configuration.",
     )
     diagnosis_id: Number | None = Field(
         None,
-        description="The diagnosis of this session that proposed them: it is run again, from the same start, "
-        "once the session has finished.",
+        description="Diagnosis of this session that proposed the configurations. It is repeated with the "
+        "same start model once the session has finished.",
     )
 
 
 class AdditionReply(Reply):
-    """What was added to the plan, and when it is measured."""
+    """Configurations added to the plan, and when they will be measured."""
 
     sentence: Said = Field(examples=["Added configurations 56 to 59; a person confirms ..."])
     stops: list[StopReply]
@@ -54,7 +56,7 @@ class AdditionReply(Reply):
 class LeftOutReply(Reply):
     """A configuration that cannot be measured in this cell."""
 
-    configuration: int = Field(description="Which of the request, from 1.", examples=[2])
+    configuration: int = Field(description="Position in the request, starting at 1.", examples=[2])
     reason: str
 
 

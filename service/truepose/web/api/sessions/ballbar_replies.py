@@ -22,104 +22,125 @@ class ScenePointReply(Reply):
 
 
 class SceneReply(Reply):
-    """What a page draws of the present step, in the world."""
+    """Scene of the present step, in the world frame."""
 
     points: list[ScenePointReply]
     arm_mm: list[Point] = Field(
-        description="From the base to the last frame, for this step; the base alone: not known."
+        description="Joint positions of the arm in this step, from the base to the last frame; the base "
+        "only if not known."
     )
     leg: list[str] | None = Field(
-        description="The two points that the ballbar joins.", examples=[["B2", "T3"]]
+        description="The two points connected by the ballbar.", examples=[["B2", "T3"]]
     )
-    stand_mm: Point = Field(description="The person's eyes.")
+    stand_mm: Point = Field(description="Position of the person's eyes.")
     look_at_mm: Point
     before_move_arm_mm: list[Point] | None = Field(
-        description="Of a motion: where the arm is now, as far as known."
+        description="For a motion: present joint positions of the arm, as far as known."
     )
 
 
 class HandsReply(Reply):
-    """What simulated hands can do."""
+    """Actions of the simulated operator."""
 
-    simulated: bool = Field(description="False: a person stands at the cell.")
+    simulated: bool = Field(description="False if a real person stands at the cell.")
     actions: list[str] = Field(examples=[["connect", "detach"]])
-    holding: str = Field(description="Where the ballbar is; empty: in the hand.", examples=["connect base 2"])
+    holding: str = Field(
+        description="Position of the ballbar; empty if held in the hand.", examples=["connect base 2"]
+    )
 
 
 PointName = str  # B1.. of the base fixture, T1.. of the tool
 
 
 class StepReply(Reply):
-    """One thing to do."""
+    """A step of the session."""
 
-    id: str = Field(description="Stable name of the step.", examples=["placement-1/pose-12/leg-2-3"])
+    id: str = Field(description="Permanent identifier of the step.", examples=["placement-1/pose-12/leg-2-3"])
     kind: StepKind
-    placement: int | None = Field(description="Of the base fixture, from 1.", examples=[1])
+    placement: int | None = Field(
+        description="Number of the base fixture placement, starting at 1.", examples=[1]
+    )
     config: int | None = Field(description="Number of the pose.", examples=[12])
-    artefact: BarSet | None = Field(description="Which bars, or which triangle.")
-    points: list[PointName] | None = Field(description="What the ballbar joins.", examples=[["B2", "T3"]])
-    base_point: int | None = Field(description="The cup to clamp.", examples=[1])
-    expected_mm: float | None = Field(description="Nominal, coded or foreseen length.", examples=[300.42])
-    attempt: int = Field(description="Of the pose; 2 when it is tried again.", examples=[1])
+    artefact: BarSet | None = Field(description="Bar set or triangle to use.")
+    points: list[PointName] | None = Field(
+        description="Points connected by the ballbar.", examples=[["B2", "T3"]]
+    )
+    base_point: int | None = Field(description="Cup to clamp.", examples=[1])
+    expected_mm: float | None = Field(
+        description="Expected length: nominal, coded or predicted.", examples=[300.42]
+    )
+    attempt: int = Field(
+        description="Number of attempts at the pose; 2 for the first repetition.", examples=[1]
+    )
     bars_mm: list[float] | None = Field(description="Extension bars to screw on.", examples=[[150.0, 50.0]])
-    nominal_mm: float | None = Field(description="Of the ballbar with these bars.", examples=[300.0])
-    target_deg: list[float] | None = Field(description="Where the robot moves.")
+    nominal_mm: float | None = Field(
+        description="Nominal length of the ballbar with these bars.", examples=[300.0]
+    )
+    target_deg: list[float] | None = Field(description="Joint angles to which the robot moves.")
 
 
 class PresentStepReply(StepReply):
-    """The step that is to be done now."""
+    """The present step."""
 
-    index: int = Field(description="Its place among all steps, from 1.", examples=[57])
-    count: int = Field(description="Of all steps.", examples=[431])
-    confirmed: bool = Field(description="Of a motion: a person has just said that the cell is clear.")
-    leg_number: int | None = Field(description="Its place among the legs of the pose.", examples=[4])
+    index: int = Field(description="Position of the step in the plan, starting at 1.", examples=[57])
+    count: int = Field(description="Total number of steps.", examples=[431])
+    confirmed: bool = Field(
+        description="For a motion: true if a person has just confirmed that the cell is clear."
+    )
+    leg_number: int | None = Field(
+        description="Position of the length within the pose, starting at 1.", examples=[4]
+    )
     leg_count: int | None = Field(examples=[6])
 
 
 class ListedStepReply(StepReply):
-    """A step with what became of it."""
+    """A step with its outcome."""
 
     outcome: OutcomeKind
-    length_mm: float | None = Field(description="As stored.", examples=[300.4213])
-    text: Said = Field(description="Why it was skipped, or what was said.")
+    length_mm: float | None = Field(description="Stored length.", examples=[300.4213])
+    text: Said = Field(description="Reason for skipping the step, or result message.")
 
 
 class StepsReply(Reply):
-    """All steps of a session, done and skipped ones included."""
+    """All steps of a session, including completed and skipped ones."""
 
     steps: list[ListedStepReply]
 
 
 class SuspicionReply(Reply):
-    """A reading that contradicts the pair that was asked for; it is not stored."""
+    """A reading that contradicts the requested pair of points; it is not stored."""
 
     kind: SuspicionKind
     asked: list[PointName] = Field(examples=[["B2", "T3"]])
-    suspected: list[PointName] | None = Field(description="The pair that it goes with.")
+    suspected: list[PointName] | None = Field(description="Pair of points that matches the reading.")
     length_mm: float = Field(examples=[300.1])
     expected_mm: float | None = Field(examples=[300.4])
 
 
 class BallbarProgressReply(Reply):
-    """How far a session is; readings include those of the calibrator."""
+    """Progress of a session; readings include those of the calibrator."""
 
     readings: int = Field(examples=[57])
     planned: int = Field(examples=[431])
     skipped_poses: int = Field(examples=[1])
-    elapsed_s: float = Field(description="Cell time in which the session ran.", examples=[600.0])
-    remaining_s: float | None = Field(description="From this operator's own pace.", examples=[5400.0])
-    pace_s_per_reading: float | None = Field(description="Null before the first.", examples=[9.8])
+    elapsed_s: float = Field(description="Cell time for which the session has run.", examples=[600.0])
+    remaining_s: float | None = Field(
+        description="Estimated remaining time at the present operator's pace.", examples=[5400.0]
+    )
+    pace_s_per_reading: float | None = Field(
+        description="Average time per reading; null before the first reading.", examples=[9.8]
+    )
 
 
 class ActingReply(Reply):
-    """The one tablet whose acts count."""
+    """The tablet whose commands are accepted."""
 
     tablet: str
     person: str
 
 
 class LastOutcomeReply(Reply):
-    """The step that ended last, and how."""
+    """The most recently completed step and its outcome."""
 
     step_id: str
     kind: OutcomeKind
@@ -128,80 +149,89 @@ class LastOutcomeReply(Reply):
 
 
 class BallbarSessionReply(SituationReply):
-    """A ballbar session and where it stands."""
+    """Current situation of a ballbar session."""
 
-    kind: Literal["ballbar"] = Field(description="What measures in it.")
+    kind: Literal["ballbar"] = Field(description="Kind of session.")
     result_url: str = Field(
-        description="Page of what it came to, or of what can be made of it.", examples=["/sessions/3/result"]
+        description="Page of the result, or of the possible next actions.", examples=["/sessions/3/result"]
     )
-    step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
+    step: PresentStepReply | None = Field(description="Present step; null if nothing is left to do.")
     suspicion: SuspicionReply | None
-    main_answer: Answer | None = Field(description="To the suspicion, as the tablet offers it first.")
+    main_answer: Answer | None = Field(description="Answer to the suspicion that the tablet offers first.")
     swaps_can_be_seen: bool = Field(
-        description="Lengths of this pose are foreseen well enough that exchanged legs show."
+        description="True if the lengths of this pose are predicted well enough to detect swapped legs."
     )
     legs_alike: list[list[list[PointName]]] = Field(
-        description="Pairs of legs of the present pose whose exchange would not show.",
+        description="Pairs of legs in the present pose that could be swapped without being detected.",
         examples=[[[["B1", "T1"], ["B2", "T2"]]]],
     )
     unseen_swaps_poses: list[int] = Field(
-        description="Poses ahead in which an exchange of legs is hardly seen when it is made.",
+        description="Remaining poses in which swapped legs are unlikely to be detected during measurement.",
         examples=[[1, 2, 3, 4]],
     )
-    unseen_swaps: str = Field(description="What that means and what helps, as a sentence; empty: nothing.")
-    ballbar_attached: bool = Field(description="As far as known; nothing moves meanwhile.")
+    unseen_swaps: str = Field(
+        description="Consequence of undetectable swaps and what to do about it; empty if there are none."
+    )
+    ballbar_attached: bool = Field(
+        description="True if the ballbar is attached, as far as known; the robot does not move meanwhile."
+    )
     progress: BallbarProgressReply
     acting: ActingReply | None
     last_outcome: LastOutcomeReply | None
     ballbar_in_question: IdentityReply | None = Field(
-        description="Another ballbar answers; it is accepted by a confirmation that names its serial number."
+        description="A different ballbar has responded; accept it by confirming with its serial number. "
+        "Null if there is none."
     )
 
 
 class LengthReply(Reply):
-    """A length as it was stored, with everything that it rests on."""
+    """A stored length, with all quantities behind it."""
 
-    length_mm: float = Field(description="Calibrator + deviation - zero.", examples=[300.4213])
+    length_mm: float = Field(description="Length: calibrator length + deviation - zero.", examples=[300.4213])
     deviation_mm: float
-    zero_mm: float = Field(description="What the ballbar showed on the calibrator.")
+    zero_mm: float = Field(description="Ballbar deviation shown on the calibrator.")
     standard_uncertainty_mm: float
     spread_mm: float
     samples: int
-    initialisation: int = Field(description="Number of the last one in the session, from 1.")
-    by_hand: bool = Field(description="Stored by the button, not by itself.")
+    initialisation: int = Field(
+        description="Number of the latest initialisation in the session, starting at 1."
+    )
+    by_hand: bool = Field(description="True if stored with the button, false if stored automatically.")
     temperature_c: Quantity
     instrument_serial: str
     certificate: str
-    certificate_expires: str = Field(description="ISO date; empty where nobody said it.")
-    time_s: float = Field(description="Cell time, end of the window.")
+    certificate_expires: str = Field(description="Expiry date of the certificate (ISO); empty if not stated.")
+    time_s: float = Field(description="Cell time at the end of the measuring window.")
 
 
 class ArrivalReply(Reply):
-    """Where the robot came to rest."""
+    """Configuration in which the robot came to rest."""
 
     commanded_deg: list[float]
     reported_deg: list[float]
-    direction: list[int] = Field(description="Sign of each joint's last motion; 0 where it never moved.")
+    direction: list[int] = Field(
+        description="Direction of each joint's last motion: 1, -1, or 0 if it has never moved."
+    )
     time_s: float
 
 
 class PreCalibrationReply(Reply):
-    """What was found halfway."""
+    """Result of the preliminary calibration halfway through the session."""
 
-    rms_mm: float = Field(description="Of the legs it rests on.")
+    rms_mm: float = Field(description="RMS residual of the lengths used.")
     configurations: int
-    exchanged: list[int] = Field(description="Poses whose legs were confused: to be measured again.")
+    exchanged: list[int] = Field(description="Poses with swapped legs, which must be measured again.")
 
 
 class EntryReply(Reply):
-    """One line of what happened; appended, never changed."""
+    """An entry of the ledger; entries are appended and never changed."""
 
     number: RecordId
     recorded_at: RecordedAt
-    time_s: float = Field(description="Cell time.")
+    time_s: float = Field(description="Cell time of the entry.")
     person: str | None
     tablet: str | None
-    key: str | None = Field(description="Idempotency-Key of the request that caused it.")
+    key: str | None = Field(description="Idempotency-Key of the request that caused the entry.")
     step_id: str
     kind: EntryKind
     text: Said
@@ -209,10 +239,10 @@ class EntryReply(Reply):
     arrival: ArrivalReply | None
     suspicion: SuspicionReply | None
     precalibration: PreCalibrationReply | None
-    identity: IdentityReply | None = Field(description="Which device answered, or was accepted.")
+    identity: IdentityReply | None = Field(description="Device that responded or was accepted.")
 
 
 class LedgerReply(Reply):
-    """A part of the ledger, oldest first."""
+    """A section of the ledger, oldest entry first."""
 
     entries: list[EntryReply]

@@ -33,7 +33,9 @@ JointsDeg = Annotated[
 ]
 CoordinateMm = Annotated[float, Field(ge=-20_000, le=20_000)]  # beyond any robot that a person stands beside
 PointMm = Annotated[list[CoordinateMm], Field(min_length=3, max_length=3)]
-Way = Annotated[list[JointsDeg], Field(max_length=50, description="Clear way to it from the stop before.")]
+Way = Annotated[
+    list[JointsDeg], Field(max_length=50, description="Collision-free path from the previous configuration.")
+]
 BasePoint = Annotated[int, Field(ge=1, le=4)]
 LegPoints = Annotated[
     list[Annotated[BasePoint, BeforeValidator(whole)]], Field(min_length=2, max_length=2, examples=[[2, 3]])
@@ -41,7 +43,7 @@ LegPoints = Annotated[
 
 
 class SetupRequest(Request):
-    """Where the robot holds the setting ball while a cup is clamped on it."""
+    """Configuration in which the robot holds the setting ball while a cup is clamped on it."""
 
     base_point: BasePoint
     joints_deg: JointsDeg
@@ -49,54 +51,66 @@ class SetupRequest(Request):
 
 
 class AwayRequest(Request):
-    """Where the arm waits, after the last cup, while a person reaches the tool and the cups."""
+    """Waiting configuration of the arm after the last cup, while a person reaches the tool and the cups."""
 
     joints_deg: JointsDeg
     via_deg: Way = Field(default_factory=list)
 
 
 class PoseRequest(Request):
-    """One configuration and its legs, each base point and tool point."""
+    """A configuration with its lengths, each given by base point and tool point."""
 
-    config: Number = Field(description="Unique in the session.", examples=[1])
+    config: Number = Field(description="Number of the pose, unique in the session.", examples=[1])
     joints_deg: JointsDeg
-    legs: list[LegPoints] = Field(min_length=1, max_length=12, description="In the order of connecting.")
+    legs: list[LegPoints] = Field(
+        min_length=1, max_length=12, description="Legs, in the order in which to connect the ballbar."
+    )
     aimed_mm: list[Annotated[float, Field(gt=0, le=5000)]] | None = Field(
-        None, description="Coded length of each leg; null: all nominal."
+        None, description="Coded length of each leg; null if all are nominal."
     )
     via_deg: Way = Field(default_factory=list)
 
 
 class PlacementRequest(Request):
-    """One place of the base fixture; without set-ups and poses the service chooses them."""
+    """A placement of the base fixture; if set-ups and poses are omitted, the service chooses them."""
 
-    x_mm: CoordinateMm = Field(description="Of B1 in the world; B2 is on the frame's x axis.")
+    x_mm: CoordinateMm = Field(
+        description="Position of B1 in the world frame; B2 is on the x axis of the fixture frame."
+    )
     y_mm: CoordinateMm
     z_mm: CoordinateMm
     rx_deg: AngleDeg = 0.0
     ry_deg: AngleDeg = 0.0
     rz_deg: AngleDeg = 0.0
     cups_mm: list[PointMm] | None = Field(
-        None, min_length=3, max_length=4, description="In the world; required where poses are given."
+        None,
+        min_length=3,
+        max_length=4,
+        description="Cup positions in the world frame; required if poses are given.",
     )
     setups: list[SetupRequest] | None = Field(None, min_length=3, max_length=4)
-    away: AwayRequest | None = Field(None, description="Null: the arm stays at the last set-up.")
+    away: AwayRequest | None = Field(
+        None,
+        description="Waiting configuration after the last cup; null if the arm stays at the last set-up.",
+    )
     poses: list[PoseRequest] | None = Field(None, min_length=1, max_length=500)
 
 
 class SphereStops(Request):
-    """Stops all over a sphere about the ball in cup 1, one leg each: the sphere test."""
+    """Sphere test: configurations spread over a sphere about the ball in cup 1, with one length each."""
 
     method: Literal["sphere"]
     nests: list[Annotated[int, Field(ge=1, le=3)]] = Field(
-        [1, 2], min_length=1, max_length=3, description="Tool nests, one after the other."
+        [1, 2], min_length=1, max_length=3, description="Tool nests, in the order of measurement."
     )
-    configurations: int = Field(24, ge=6, le=250, description="Of each nest.")
-    model_id: Number | None = Field(None, description="Model that commands the arm; null: the nominal one.")
+    configurations: int = Field(24, ge=6, le=250, description="Number of configurations per nest.")
+    model_id: Number | None = Field(
+        None, description="Model that commands the arm; null for the nominal model."
+    )
 
 
 class BallbarSessionRequest(Request):
-    """A ballbar session to plan; nothing moves by planning."""
+    """A ballbar session to plan; planning does not move anything."""
 
     model_config = example({
         "kind": "ballbar",
@@ -108,19 +122,32 @@ class BallbarSessionRequest(Request):
     kind: Literal["ballbar"]
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm, six legs"])
     placements: list[PlacementRequest] | None = Field(
-        None, min_length=1, max_length=8, description="Null: the service suggests where the base goes."
+        None,
+        min_length=1,
+        max_length=8,
+        description="Placements of the base fixture; null if the service is to suggest them.",
     )
-    placement_count: int = Field(1, ge=1, le=4, description="How many are suggested.")
-    poses: int = Field(24, ge=1, le=200, description="Of the whole session, where they are not given.")
-    base_points: Literal[3, 4] | None = Field(None, description="Cups of the base; null: as the cell file.")
-    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same poses.")
+    placement_count: int = Field(1, ge=1, le=4, description="Number of placements to suggest.")
+    poses: int = Field(
+        24, ge=1, le=200, description="Number of poses in the whole session, if no poses are given."
+    )
+    base_points: Literal[3, 4] | None = Field(
+        None, description="Number of base cups; null to use the cell file."
+    )
+    seed: int = Field(
+        0,
+        ge=0,
+        le=NUMBER_LIMIT,
+        description="Seed of the pose selection; the same seed gives the same poses.",
+    )
     plan: SphereStops | None = Field(
-        None, description="A test at the one placement; null: six legs a pose, to identify a model."
+        None,
+        description="A test at a single placement; null to measure six legs per pose and identify a model.",
     )
 
 
 class HandsRequest(Request):
-    """What the simulated hands are to do; each action takes its own details."""
+    """An action for the simulated operator; each action has its own parameters."""
 
     model_config = example({"action": "connect", "base": 2, "tool": 3})
 
@@ -128,14 +155,22 @@ class HandsRequest(Request):
         "calibrator", "connect", "side", "detach", "place_base", "fit_ball", "remove_ball", "clamp",
         "pull_cable", "plug_cable", "hold", "switch_off", "switch_on",
     ]  # fmt: skip
-    bars: Literal["tool", "base"] | None = Field(None, description="calibrator: made up with these.")
-    base: BasePoint | None = Field(None, description="connect: cup of the base.")
-    tool: Annotated[int, Field(ge=1, le=3)] | None = Field(None, description="connect: nest of the tool.")
-    artefact: Literal["tool", "base"] | None = Field(None, description="side: of this triangle.")
-    a: BasePoint | None = Field(None, description="side: from this point ...")
-    b: BasePoint | None = Field(None, description="side: ... to this one.")
-    base_point: BasePoint | None = Field(None, description="clamp: this cup.")
-    placement: Number | None = Field(None, description="place_base: its number; its place, if not planned:")
+    bars: Literal["tool", "base"] | None = Field(
+        None, description="For `calibrator`: bar set of the ballbar."
+    )
+    base: BasePoint | None = Field(None, description="For `connect`: cup of the base.")
+    tool: Annotated[int, Field(ge=1, le=3)] | None = Field(
+        None, description="For `connect`: nest of the tool."
+    )
+    artefact: Literal["tool", "base"] | None = Field(None, description="For `side`: triangle to measure.")
+    a: BasePoint | None = Field(None, description="For `side`: first point.")
+    b: BasePoint | None = Field(None, description="For `side`: second point.")
+    base_point: BasePoint | None = Field(None, description="For `clamp`: cup to clamp.")
+    placement: Number | None = Field(
+        None,
+        description="For `place_base`: number of the placement. If it is not planned, give its coordinates "
+        "as well.",
+    )
     x_mm: CoordinateMm | None = None
     y_mm: CoordinateMm | None = None
     z_mm: CoordinateMm | None = None

@@ -28,7 +28,7 @@ router = resource("/sessions", tags=["sessions"])
 
 
 class CommandRequest(Request):
-    """What somebody asks of a session, as by a button that they press."""
+    """A command to a session, like pressing a button."""
 
     model_config = example({
         "command": "confirm",
@@ -38,38 +38,44 @@ class CommandRequest(Request):
         "tablet": "tablet-1",
     })
 
-    command: Annotated[CommandName, Field(strict=False, description="One of the situation's `commands`.")]
+    command: Annotated[
+        CommandName, Field(strict=False, description="One of the `commands` of the situation.")
+    ]
     person: PersonName | None = Field(
-        None, description="Who asks. Null: whoever is signed in; a halt needs no name."
+        None,
+        description="Person who gives the command. Null: the person who is signed in; a halt needs no name.",
     )
     prompt_id: PromptAnswered = None
     step_id: str | None = Field(
         None,
         max_length=200,
-        description="The step that the person saw, or means: `stop-7`, `tool/initialise`. Null: the present "
-        "one; without a ballbar of `retry` and `back` the newest that was done.",
+        description="Step that the person saw or refers to, such as `stop-7` or `tool/initialise`. Null: "
+        "the present step; for `retry` and `back` in sessions without a ballbar, the last "
+        "completed step.",
         examples=["stop-7"],
     )
     tablet: Annotated[str, AfterValidator(tidy_name)] = Field(
         "",
         max_length=100,
         pattern=f"^$|{NAME_PATTERN}",
-        description="At which they stand.",
+        description="Tablet at which the person stands.",
         examples=["tablet-1"],
     )
     reason: str = Field(
         "",
         max_length=2000,
-        description="Of a skip, a pause, a stop; how one knows that a ballbar is off that cannot be read.",
+        description="Reason for a skip, pause or stop; or how the person knows that a ballbar that cannot "
+        "be read is detached.",
     )
-    answer: Annotated[Answer | None, Field(strict=False)] = Field(None, description="To a suspicion.")
+    answer: Annotated[Answer | None, Field(strict=False)] = Field(None, description="Answer to a suspicion.")
     seen_time_s: float | None = Field(
-        None, ge=0, description="Cell time of the newest value that the person saw when confirming a motion."
+        None, ge=0, description="Cell time of the latest value shown to the person when confirming a motion."
     )
     accept_serial_number: str | None = Field(
         None,
         max_length=200,
-        description="Of a confirmation: the instrument in question that is accepted; without it none is.",
+        description="For a confirmation: serial number of the instrument to accept. Without it, no "
+        "unexpected instrument is accepted.",
         examples=["391234"],
     )
     pressed_at_s: PressedAt = None
@@ -88,20 +94,21 @@ class CommandRequest(Request):
 
 
 class CommandReply(Reply):
-    """What was done, or when it takes effect."""
+    """What was done, or when it will take effect."""
 
     sentence: Said = Field(examples=["B2-T3: 300.4213 mm is stored."])
-    entry: int | None = Field(description="Number of the ledger's entry; null where nothing was kept.")
+    entry: int | None = Field(description="Number of the ledger entry; null if none was written.")
     session: AnySituation
 
 
 @router.post("/{id}/commands", responses=CHANGE)
 async def command_session(here: Here, id: Id, wanted: CommandRequest, key: OptionalKey) -> CommandReply:
-    """Ask something of a session. The answer comes when what it did is on disk.
+    """Send a command to a session. The response is sent once the effect is on disk.
 
-    An answer names the prompt that the person saw by its `id`. With an `Idempotency-Key` a repeated
-    request is done once and gets the same answer. Another instrument than the expected one is accepted only
-    by its serial number; confirmed without it, the session asks the instrument again who it is.
+    An answer to a prompt gives the `id` of the prompt that the person saw. A repeated request with the same
+    `Idempotency-Key` is executed once and gets the same response. An instrument other than the expected one
+    is accepted only by its serial number; if it is confirmed without one, the session asks the instrument to
+    identify itself again.
     """
     # Before anything is refused: a refusal is on record under the command's name too.
     current_request().command = wanted.command

@@ -21,41 +21,47 @@ Direction = Annotated[list[Component], Field(min_length=3, max_length=3, example
 
 
 class TargetRequest(Request):
-    """What readings are taken against; its place is found from them, and good to some millimetres here."""
+    """A target for contact readings; its position is identified, so some millimetres of accuracy suffice."""
 
     kind: Kind
-    place_mm: Place = Field(description="About where it is bolted: centre, point of the plane, drum; world.")
+    place_mm: Place = Field(
+        description="Approximate position in the world frame: centre, point on the plane, or drum."
+    )
     normal: Direction | None = Field(
         None,
-        description="About the way in which readings grow: off a plane, into a gauge; of a sphere, and of a "
-        "sensor's ball, the side that is open. Null: upwards.",
+        description="Approximate direction in which readings increase: away from a plane, into a gauge; "
+        "for a sphere or a sensor ball, the open side. Null means upwards.",
     )
     zero_mm: float | None = Field(
         None,
         ge=0,
         le=10_000,
-        description="Distance at which it reads 0: radius of sphere and tip together, or length of the wire.",
+        description="Distance at which the reading is 0: sum of the radii of sphere and tip, or length of "
+        "the wire.",
         examples=[16.0],
     )
     zero_is_certified: bool = Field(
-        True, description="False: `zero_mm` is rough, and found from the readings with all else."
+        True, description="False if `zero_mm` is approximate and must be identified from the readings."
     )
-    zero_u_mm: SmallMm = Field(0, description="Standard uncertainty of `zero_mm`; 0: exact.")
-    form_mm: SmallMm = Field(0, description="Standard deviation of its form: flatness, roundness.")
+    zero_u_mm: SmallMm = Field(0, description="Standard uncertainty of `zero_mm`; 0 means exact.")
+    form_mm: SmallMm = Field(0, description="Standard deviation of the form error: flatness or roundness.")
 
 
 class DistanceRequest(Request):
-    """A certified distance of the centres of two targets."""
+    """Certified distance between the centres of two targets."""
 
     targets: list[Number] = Field(
-        min_length=2, max_length=2, description="Numbers, from 1.", examples=[[1, 2]]
+        min_length=2,
+        max_length=2,
+        description="Numbers of the two targets, starting at 1.",
+        examples=[[1, 2]],
     )
     distance_mm: float = Field(gt=0, le=10_000, examples=[240.0123])
-    u_mm: float = Field(gt=0, le=1, description="Standard uncertainty.", examples=[0.002])
+    u_mm: float = Field(gt=0, le=1, description="Standard uncertainty of the distance.", examples=[0.002])
 
 
 class ContactSessionRequest(Request):
-    """A session of closed loops to plan; its stops are chosen. Nothing moves by planning."""
+    """A contact session to plan; the service chooses the configurations. Planning does not move anything."""
 
     model_config = example({
         "kind": "contact",
@@ -72,44 +78,57 @@ class ContactSessionRequest(Request):
     kind: Literal["contact"]
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     targets: list[TargetRequest] = Field(
-        min_length=1, max_length=MOST_TARGETS, description="Numbered from 1; gauges in the order of the cell."
+        min_length=1,
+        max_length=MOST_TARGETS,
+        description="Targets, numbered from 1; gauges in the order of the cell file.",
     )
     distances: list[DistanceRequest] = Field([], max_length=MOST_TARGETS)
-    stops: int = Field(ge=6, le=MOST_STOPS, description="How many configurations.", examples=[60])
+    stops: int = Field(ge=6, le=MOST_STOPS, description="Number of configurations.", examples=[60])
     role: Role = Field(
-        "calibration", description="What the readings are for; validation ones never identify."
+        "calibration",
+        description="Use of the readings; validation readings are never used for identification.",
     )
     nest: Number = Field(
         1,
-        description="Tool nest: tip of the probe at its zero, ball, end of the wires, origin of the sensor.",
+        description="Tool nest: tip of the probe at zero, ball, end of the wires, or origin of the sensor.",
     )
     axis: Direction = Field(
         [0, 0, 1],
-        description="Last frame: where the probe points, the ball sits on its stem, the sensor looks.",
+        description="Direction in the last frame: of the probe, of the ball on its stem, or of the "
+        "sensor's view.",
     )
-    stroke_mm: float = Field(5.0, gt=0, le=1000, description="Of each gauge, either way of its zero.")
-    margin_mm: float = Field(1.0, ge=0, le=100, description="Of the stroke, that stays unused.")
+    stroke_mm: float = Field(
+        5.0, gt=0, le=1000, description="Stroke of each gauge to either side of its zero."
+    )
+    margin_mm: float = Field(1.0, ge=0, le=100, description="Part of the stroke that remains unused.")
     reading_u_mm: float = Field(0.001, gt=0, le=1, description="Standard uncertainty of a reading.")
-    plane_mm: float = Field(100.0, gt=0, le=2000, description="Half the side of the square that is touched.")
-    clearance_mm: float = Field(
-        90.0, ge=20, le=500, description="How far off the arm is where nothing is near."
+    plane_mm: float = Field(
+        100.0, gt=0, le=2000, description="Half the side length of the square to be touched."
     )
-    attachment: Number = Field(1, description="How often the tool has been mounted.")
-    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same stops.")
+    clearance_mm: float = Field(
+        90.0, ge=20, le=500, description="Distance between arm and targets in the clear position."
+    )
+    attachment: Number = Field(1, description="Number of times the tool has been mounted.")
+    seed: int = Field(
+        0,
+        ge=0,
+        le=NUMBER_LIMIT,
+        description="Seed of the selection; the same seed gives the same configurations.",
+    )
 
 
 class ContactStopReply(Reply):
-    """One configuration in which gauges are read."""
+    """A configuration in which gauges are read."""
 
     config: int
-    targets: list[int] = Field(description="That the gauges read there, in their order.")
+    targets: list[int] = Field(description="Targets read there, in the order of the gauges.")
     way_deg: list[list[float]] = Field(
-        description="From where nothing is near to the stop, which is the last."
+        description="Path from the clear position to the configuration, which is its last entry."
     )
 
 
 class ContactPlanReply(Reply):
-    """What a session of closed loops does, in order."""
+    """Planned configurations and motion parameters of a contact session, in order."""
 
     loop: Loop
     role: Role
@@ -117,22 +136,22 @@ class ContactPlanReply(Reply):
     stroke_mm: float
     margin_mm: float
     tool_speed_mm_s: float
-    touch_speed_mm_s: float = Field(description="While something touches, or is about to.")
-    questions: list[Said] = Field(description="What a person is asked before anything moves, in order.")
-    minutes: float = Field(description="About, persons not included.")
+    touch_speed_mm_s: float = Field(description="Speed during contact and just before it.")
+    questions: list[Said] = Field(description="Questions put to the person before anything moves, in order.")
+    minutes: float = Field(description="Approximate duration, not including operator time.")
     stops: list[ContactStopReply]
 
 
 class ContactReadingReply(Reply):
-    """What the gauges read at a stop."""
+    """Gauge readings at a configuration."""
 
     config: int
     nest: int
     commanded_deg: list[float]
     reported_deg: list[float]
-    time_s: float = Field(description="Cell time.")
-    targets: list[int] = Field(description="Of each reading.")
-    axes: list[int] = Field(description="Of each reading of a sensor: 0 to 2; empty for all else.")
+    time_s: float = Field(description="Cell time of the readings.")
+    targets: list[int] = Field(description="Target of each reading.")
+    axes: list[int] = Field(description="Sensor axis of each reading, 0 to 2; empty for other instruments.")
     reading_mm: list[float]
     standard_uncertainty_mm: float
 

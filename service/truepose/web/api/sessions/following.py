@@ -44,7 +44,7 @@ _SAMPLE: Final = {
     "let_go": True,
 }
 _LIVE: Final = sending(
-    "Samples of the instrument, here of a ballbar, and situations as they come.",
+    "Samples of the instrument (here a ballbar) and situations of the session as they occur.",
     stream_content(f"event: sample\ndata: {json.dumps(_SAMPLE)}\n\n"),
 )
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
@@ -54,7 +54,7 @@ TabletName = Annotated[
         min_length=1,
         max_length=100,
         pattern=NAME_PATTERN,
-        description="Who follows; as long as the stream is open this tablet watches.",
+        description="Name of the tablet; it watches the session while the stream is open.",
         examples=["tablet-1"],
     ),
     AfterValidator(tidy_name),
@@ -143,31 +143,34 @@ async def _feed_samples(following: Follower, kind: KindOfSession, mailbox: _Mail
 
 @router.get("/situation", response_model=AnySituation, responses=READ)
 async def get_situation(here: Here, id: Id, kind: Kind) -> Reply:
-    """Show where a session stands and what may be asked of it; follow `live` instead of asking again."""
+    """Return the current situation and the available commands; follow `live` instead of polling."""
     return await kind.situation(here, id)
 
 
 @router.get("/plan", response_model=AnyPlan, responses=READ)
 async def get_plan(here: Here, id: Id, kind: Kind) -> Reply:
-    """List what a session does, in order; also before the start."""
+    """Return the steps or configurations of a session in order; available before the start as well."""
     return await kind.planned_steps(here, id)
 
 
 @router.get("/scene", response_model=AnyScene, responses=READ)
 async def get_scene(here: Here, id: Id, kind: Kind) -> Reply:
-    """Show what to draw: the cell as its instrument sees it, or the present step with the ballbar."""
+    """Return the scene to draw: the cell as its instrument sees it, or the present ballbar step."""
     return await kind.scene(here, id)
 
 
 @router.get("/sheet", responses=ACT)
 async def get_sheet(here: Here, id: Id) -> SheetReply:
-    """List what was read so far without a ballbar: warm-up, fixed nests, looks at them, configurations."""
+    """Return the readings of a session without a ballbar: warm-up, fixed nests, repeats, configurations."""
     return SheetReply.of(await here.guided_sessions.sheet(id))
 
 
 @router.get("/outlook", responses=ACT)
 async def get_outlook(here: Here, id: Id) -> OutlookReply:
-    """Say what accuracy the readings so far promise, and the rest of the plan; a worker computes it."""
+    """Return the accuracy predicted from the readings so far and from the complete plan.
+
+    It is computed by a worker.
+    """
     found = await here.guided_sessions.outlook(id)
     if found is None:
         return OutlookReply(state="too_early", now=None, at_end=None)
@@ -176,7 +179,7 @@ async def get_outlook(here: Here, id: Id) -> OutlookReply:
 
 @router.get("/ledger", responses=LIST_OF_RECORD)
 async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
-    """Read what happened, oldest first; `after` is the number of the last entry that is known."""
+    """Return the ledger, oldest entry first; `after` is the number of the last entry already read."""
     await here.sessions.require(id)
     return LedgerReply(
         entries=paging.shown(await here.session_desk.ledger.page(id, paging.page), entry_reply)
@@ -185,7 +188,7 @@ async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
 
 @router.get("/contact-readings", responses=LIST_OF_RECORD)
 async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[ContactReadingReply]:
-    """List what the gauges read, configuration by configuration."""
+    """List the gauge readings by configuration."""
     await here.contact_sessions.get(id)
     lines = await here.session_desk.ledger.whole(id)
     return paging.of(readings_of(line.entry for line in lines), ContactReadingReply.of)
@@ -193,9 +196,9 @@ async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[Con
 
 @router.get("/live", response_class=StreamingResponse, responses=_LIVE | READ)
 async def follow_session(following: Following) -> EventStream:
-    """Follow a session: `sample` is what its instrument sees now, `situation` the session as it changes.
+    """Follow a session: `sample` is the present reading of its instrument, `situation` the session state.
 
-    The stream begins with the session as it is; a comment each second shows that the service lives.
+    The stream begins with the current situation; a comment every second shows that the connection is alive.
     """
     kind = kind_of(await following.here.sessions.get(following.id))
     await kind.situation(following.here, following.id)  # refused before an answer has begun

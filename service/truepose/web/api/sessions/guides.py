@@ -14,104 +14,116 @@ from truepose.web.middleware.language import Said
 from truepose.web.schemas import Point, Reply
 
 Millimetres = Annotated[float | None, Field(examples=[0.012])]
-Delta = Annotated[Point | None, Field(description="Read minus expected, in the world; null: not known.")]
+Delta = Annotated[
+    Point | None, Field(description="Reading minus expected position, in the world frame; null if not known.")
+]
 
 
 class GuideStepReply(Reply):
-    """What is due now."""
+    """The step to be done now."""
 
     id: str = Field(examples=["stop-7"])
     kind: StepName
     config: int | None
-    nest: int | None = Field(description="Of the tool, 1-based.")
+    nest: int | None = Field(description="Number of the tool nest, starting at 1.")
 
 
 class LastStopReply(Reply):
-    """How the newest configuration ended."""
+    """Outcome of the latest configuration."""
 
     config: int
     measured: bool
-    text: Said = Field(description="Why it was not measured.")
-    number: int = Field(description="Counts ends: two of one configuration differ.")
+    text: Said = Field(description="Reason why it was not measured.")
+    number: int = Field(
+        description="Counter of completed attempts; distinguishes two attempts at the same configuration."
+    )
 
 
 class GuideReply(SituationReply):
-    """A session and where it stands, for a tablet."""
+    """Current situation of a session, for the tablet."""
 
     role: str = Field(examples=["calibration"])
-    kind: Kind = Field(description="What measures in it.")
+    kind: Kind = Field(description="Kind of session.")
     robot_serial_number: str
-    tool: str = Field(description="What carries the tool nests; empty: nobody said.")
-    attachment: int = Field(description="How often the tool has been mounted.")
-    warm_up: bool = Field(description="The tracker warms up before it is placed in the world.")
-    step: GuideStepReply | None = Field(description="Null: nothing is left to do.")
+    tool: str = Field(description="Tool that carries the tool nests; empty if not stated.")
+    attachment: int = Field(description="Number of times the tool has been mounted.")
+    warm_up: bool = Field(description="True if the tracker warms up before it is registered.")
+    step: GuideStepReply | None = Field(description="Present step; null if nothing is left to do.")
     progress: ProgressReply
     last_stop: LastStopReply | None
     tracker_in_question: IdentityReply | None = Field(
-        description="Another tracker answers; it is accepted by a confirmation that names its serial number."
+        description="A different tracker has responded; accept it by confirming with its serial number. "
+        "Null if there is none."
     )
 
 
 class WarmthReply(Reply):
-    """How warm the tracker is, by what it read of the fixed nests."""
+    """Thermal drift of the tracker, from its readings of the fixed nests."""
 
-    time_s: list[float] = Field(description="Of each round, since the first.")
-    drift_mm: list[float] = Field(description="Mean way of the nests since the first round.")
-    ahead_mm: Millimetres = Field(description="Drift of the worst nest between two looks; null: too early.")
-    bound_mm: Millimetres = Field(description="Below which that is, with 95 %.")
+    time_s: list[float] = Field(description="Time of each round since the first.")
+    drift_mm: list[float] = Field(description="Mean displacement of the nests since the first round.")
+    ahead_mm: Millimetres = Field(
+        description="Expected drift of the worst nest between two reference measurements; null if it is "
+        "too early to tell."
+    )
+    bound_mm: Millimetres = Field(description="Upper 95 % limit of `ahead_mm`.")
     allowed_mm: float
     ready: bool
 
 
 class NestRowReply(Reply):
-    """A fixed nest, certified and read."""
+    """A fixed nest: certified and measured position."""
 
     number: int
     expected_mm: Point
     readings: int
     delta_mm: Delta
-    scatter_mm: Millimetres = Field(description="Of one reading, per axis.")
+    scatter_mm: Millimetres = Field(description="Standard deviation of one reading, per axis.")
 
 
 class LookReply(Reply):
-    """The fixed nests looked at once more."""
+    """A reference measurement of the fixed nests during the session."""
 
     time_s: float
-    moved_mm: list[float] = Field(description="Of each nest since the registration.")
+    moved_mm: list[float] = Field(description="Displacement of each nest since the registration.")
     worst_mm: float
     limit_mm: float
-    holds: bool = Field(description="Nothing moved further than is allowed.")
+    holds: bool = Field(description="True if no nest has moved by more than the limit.")
 
 
 class PlacedReply(Reply):
-    """The tracker's place in the world."""
+    """Position of the tracker in the world frame."""
 
-    rms_mm: Millimetres = Field(description="Of the fixed nests' residuals.")
+    rms_mm: Millimetres = Field(description="RMS residual of the fixed nests.")
     two_face_mm: Millimetres
     scale: float | None
 
 
 class PointRowReply(Reply):
-    """A configuration of the plan and what came of it."""
+    """A configuration of the plan with its result."""
 
     config: int
     nest: int
     status: Status
-    expected_mm: Point | None = Field(description="By the nominal robot; null where gauges are read.")
+    expected_mm: Point | None = Field(
+        description="Position predicted by the nominal robot; null if gauges are read."
+    )
     actual_mm: Point | None
     delta_mm: Delta
     distance_mm: Millimetres
-    rms_mm: Millimetres = Field(description="Scatter of the samples of the reading that counts.")
-    rms_limit_mm: Millimetres = Field(description="Above which none is taken; it knows the instrument.")
-    readings: int = Field(description="Readings that were taken; the newest counts.")
-    reading_mm: list[float] = Field(description="Of gauges.")
-    reason: Said = Field(description="Why no reading counts.")
+    rms_mm: Millimetres = Field(description="Scatter of the samples of the reading in use.")
+    rms_limit_mm: Millimetres = Field(
+        description="Scatter limit above which a reading is rejected; depends on the instrument."
+    )
+    readings: int = Field(description="Number of readings taken; the latest one is used.")
+    reading_mm: list[float] = Field(description="Gauge readings.")
+    reason: Said = Field(description="Reason why no reading is used.")
 
 
 class SheetReply(Reply):
-    """Everything that a session has read so far."""
+    """All readings of a session so far."""
 
-    warmth: WarmthReply | None = Field(description="Null: the plan asks for no warm-up.")
+    warmth: WarmthReply | None = Field(description="Warm-up; null if the plan does not include one.")
     nests: list[NestRowReply]
     placed: Annotated[PlacedReply | None, FieldSource("registration")]
     looks: list[LookReply]
@@ -124,31 +136,35 @@ class SeenPointReply(Reply):
     name: str = Field(examples=["F1"])
     position_mm: Point
     config: int | None
-    hidden: WhyHidden | None = Field(description="Why the instrument does not see it; null: it does.")
+    hidden: WhyHidden | None = Field(description="Reason why the instrument cannot see it; null if it can.")
 
 
 class BetterPlaceReply(Reply):
-    """Where the instrument would see more."""
+    """A position from which the instrument would see more."""
 
     position_mm: Point
-    configurations: int = Field(description="That are seen from there.")
+    configurations: int = Field(description="Number of configurations visible from there.")
 
 
 class GuidedSceneReply(Reply):
-    """What a page draws of the cell, in the world."""
+    """Scene of the cell, in the world frame."""
 
     arm_mm: list[Point]
     instrument_mm: Point | None
-    placed: bool = Field(description="Its place was measured, not only stated.")
+    placed: bool = Field(
+        description="True if the position of the instrument was measured, false if it was only stated."
+    )
     fixed_nests: list[SeenPointReply]
     stops: list[SeenPointReply]
-    better: BetterPlaceReply | None = Field(description="Null: no place nearby is worth the way.")
-    stand_mm: Point = Field(description="Of whoever looks at the picture.")
+    better: BetterPlaceReply | None = Field(
+        description="Better position of the instrument; null if no nearby position is worth the move."
+    )
+    stand_mm: Point = Field(description="Position of the viewer.")
     look_at_mm: Point
 
 
 class ExpectedAccuracyReply(Reply):
-    """Errors of position that so many configurations promise."""
+    """Predicted position errors for a number of configurations."""
 
     configurations: int
     mean_mm: float
@@ -156,7 +172,7 @@ class ExpectedAccuracyReply(Reply):
 
 
 class OutlookReply(Reply):
-    """What a session promises."""
+    """Predicted accuracy of a session."""
 
     state: Literal["too_early", "known"]
     now: ExpectedAccuracyReply | None

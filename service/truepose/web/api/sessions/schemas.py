@@ -29,7 +29,7 @@ AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller'
 
 
 class StopRequest(Request):
-    """One configuration to visit and the tool nest to measure there."""
+    """A configuration to visit and the tool nest to measure there."""
 
     config: Number = Field(description="Number of the configuration, unique in the session.", examples=[1])
     joints_deg: list[AngleDeg] = Field(
@@ -40,33 +40,45 @@ class StopRequest(Request):
 
 
 class GivenStops(Request):
-    """The configurations are given."""
+    """Configurations given by the client."""
 
     method: Literal["given"]
     stops: list[StopRequest] = Field(min_length=1, max_length=MOST_STOPS)
 
 
 class ChosenStops(Request):
-    """The configurations are chosen: by observability to calibrate, at random to validate."""
+    """Configurations chosen by the service: by observability for calibration, at random for validation."""
 
     method: Literal["choose"]
     configurations: int = Field(
-        ge=1, le=MOST_STOPS, description="How many, revisits not counted.", examples=[50]
+        ge=1,
+        le=MOST_STOPS,
+        description="Number of configurations, without repeat measurements.",
+        examples=[50],
     )
-    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+    seed: int = Field(
+        0,
+        ge=0,
+        le=NUMBER_LIMIT,
+        description="Seed of the selection; the same seed gives the same configurations.",
+    )
 
 
 class ProvingStops(Request):
-    """Targets at random, each approached without correction and with that of a model: a proof move."""
+    """Proof move: random targets, each approached without correction and with that of a model."""
 
     method: Literal["prove"]
     model_id: Number
-    targets: int = Field(ge=2, le=MOST_STOPS // 2, description="Each is visited twice.", examples=[30])
-    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+    targets: int = Field(
+        ge=2, le=MOST_STOPS // 2, description="Number of targets; each is visited twice.", examples=[30]
+    )
+    seed: int = Field(
+        0, ge=0, le=NUMBER_LIMIT, description="Seed of the selection; the same seed gives the same targets."
+    )
 
 
 class TurnRequest(Request):
-    """Through which angles one joint is turned, in whole steps from 0."""
+    """Range of angles of one joint, in whole steps from 0."""
 
     joint: int = Field(ge=1, le=32, examples=[2])
     lower_deg: AngleDeg = Field(examples=[-40])
@@ -75,57 +87,77 @@ class TurnRequest(Request):
 
 
 class CircleStops(Request):
-    """One joint turned at a time, up and down, all others at rest: the single-axis circle test."""
+    """Circle test: one joint is turned up and down at a time while all others are at rest."""
 
     method: Literal["circles"]
     turns: list[TurnRequest] = Field(
-        [], max_length=32, description="None: as in the usual test, as far as limits and sight allow."
+        [],
+        max_length=32,
+        description="Joints to turn; if empty, those of the standard test, as far as limits and line "
+        "of sight allow.",
     )
 
 
 class PoseStops(Request):
-    """Poses of ISO 9283 in a cube: five in cycles, three from three directions, or one over eight hours."""
+    """ISO 9283 test in a cube: five poses in cycles, three from three directions, or one over eight hours."""
 
     method: Literal["iso9283"]
     test: Literal["poses", "directions", "drift"] = Field(
-        "poses", description="poses: AP, RP, AD, RD. directions: vAP. drift: dAP, dRP, from cold."
+        "poses",
+        description="`poses`: AP, RP, AD, RD. `directions`: vAP. `drift`: dAP, dRP from a cold start.",
     )
     edge_mm: float | None = Field(
         None,
         gt=0,
         le=10_000,
-        description="Of the cube; null, as its centre: the largest that the cell has room and sight for.",
+        description="Edge length of the cube. Null (also for the centre): the largest cube with clearance "
+        "and line of sight in the cell.",
         examples=[200],
     )
     centre_mm: list[LengthMm] | None = Field(
         None,
         min_length=3,
         max_length=3,
-        description="Of the cube, in the robot's base.",
+        description="Centre of the cube, in the base frame of the robot.",
         examples=[[370, 0, 400]],
     )
     plane: Literal["x+", "x-", "y+", "y-"] = Field(
-        "y+", description="Diagonal plane: axis of the level edges, and whether it rises along the other."
+        "y+",
+        description="Diagonal plane of the cube: axis of its horizontal edges, and whether it rises "
+        "(+) or falls (-) along the other axis.",
     )
     quaternion: list[Component] | None = Field(
         None,
         min_length=4,
         max_length=4,
-        description="Orientation of the last frame in the base, w first; null: it looks at the floor, or as "
-        "far from there as a chosen cube needs to be seen.",
+        description="Orientation of the last frame in the base frame, w first. Null: facing the floor, or "
+        "tilted as far as line of sight in a chosen cube requires.",
     )
     nest: Number | None = Field(
-        None, description="Tool nest that stands in the poses; null: the first, or what a chosen cube shows."
+        None,
+        description="Tool nest measured at the poses. Null: the first nest, or the one visible in a "
+        "chosen cube.",
     )
-    cycles: int = Field(30, ge=1, le=MOST_STOPS // 9, description="The standard takes 30; of each direction.")
-    approach_mm: float = Field(50, gt=0, le=500, description="Length of the last motion, for directions.")
+    cycles: int = Field(
+        30,
+        ge=1,
+        le=MOST_STOPS // 9,
+        description="Number of cycles, per direction for `directions`; the standard requires 30.",
+    )
+    approach_mm: float = Field(
+        50, gt=0, le=500, description="Length of the final approach, for `directions`."
+    )
     hours: float = Field(
-        8, ge=1 / 6, le=8, description="Until the last group, for drift; it ends before where that is slow."
+        8,
+        ge=1 / 6,
+        le=8,
+        description="Time until the last group, for `drift`; the test ends earlier if the drift has "
+        "become slow.",
     )
 
 
 class SessionRequest(Request):
-    """A session to plan; nothing moves by planning. What is left out is as the cell file says."""
+    """A session to plan; planning does not move anything. Omitted values are taken from the cell file."""
 
     model_config = example({
         "name": "left arm, after the collision",
@@ -133,75 +165,106 @@ class SessionRequest(Request):
         "plan": {"method": "choose", "configurations": 50, "seed": 1},
     })
 
-    kind: Literal["tracker"] = Field("tracker", description="With a laser tracker or a camera.")
+    kind: Literal["tracker"] = Field("tracker", description="Session with a laser tracker or a camera.")
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
-    role: Role = Field(description="What the readings are for; validation readings never identify.")
+    role: Role = Field(
+        description="Use of the readings; validation readings are never used for identification."
+    )
     plan: Annotated[
         GivenStops | ChosenStops | ProvingStops | CircleStops | PoseStops, Field(discriminator="method")
     ]
 
-    attachment: Number = Field(1, description="How often the tool has been mounted.")
+    attachment: Number = Field(1, description="Number of times the tool has been mounted.")
     approach_offset_deg: Annotated[float, Field(ge=-45, le=45)] | None = Field(
-        -5.0, description="Each stop is approached from here on all joints; null: mixed directions."
+        -5.0,
+        description="Joint offset from which each configuration is approached, on all joints; null for "
+        "mixed directions.",
     )
-    settle_s: float = Field(4.0, ge=0, le=600, description="Between motion and measurement.")
-    measure_s: float = Field(1.0, ge=0.1, le=60, description="Length of a measurement.")
-    reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
-    registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
-    two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
-    warm_up: bool = Field(False, description="First wait until the fixed nests show that it drifts no more.")
+    settle_s: float = Field(4.0, ge=0, le=600, description="Waiting time between motion and measurement.")
+    measure_s: float = Field(1.0, ge=0.1, le=60, description="Duration of a measurement.")
+    reference_every: int = Field(
+        10,
+        ge=1,
+        le=1000,
+        description="Number of configurations between reference measurements of the fixed nests.",
+    )
+    registration_readings: int = Field(
+        20, ge=1, le=1000, description="Number of readings of each fixed nest at the start."
+    )
+    two_face_check: bool = Field(True, description="True: measure a fixed nest in both faces at the start.")
+    warm_up: bool = Field(
+        False, description="True: first wait until the fixed nests show that the tracker no longer drifts."
+    )
 
 
 class ProgressReply(Reply):
-    """How far a session is."""
+    """Progress of a session."""
 
-    done: int = Field(description="Configurations measured.", examples=[12])
-    skipped: int = Field(description="Configurations skipped, with a reason each.", examples=[0])
+    done: int = Field(description="Number of configurations measured.", examples=[12])
+    skipped: int = Field(description="Number of configurations skipped, each with a reason.", examples=[0])
     planned: int = Field(examples=[55])
-    elapsed_s: float = Field(description="Cell time.", examples=[345.2])
-    remaining_s: float | None = Field(description="Cell time, from the pace so far.", examples=[1190.0])
+    elapsed_s: float = Field(description="Elapsed cell time.", examples=[345.2])
+    remaining_s: float | None = Field(
+        description="Remaining cell time at the present pace.", examples=[1190.0]
+    )
     doing: Said = Field(examples=["measuring configuration 13"])
 
 
 class SessionReply(Reply):
-    """A session and where it stands."""
+    """A session and its state."""
 
     id: RecordId
     recorded_at: RecordedAt
     name: str = Field(examples=["left arm"])
-    role: SessionRole = Field(description="What its readings are.")
+    role: SessionRole = Field(description="Use of its readings.")
     state: SessionState
     state_since: RecordedAt
-    reason: Said = Field(description="Why it is in this state.")
+    reason: Said = Field(description="Reason for the state.")
     reason_key: ReasonKey
-    person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
-    prompt: PromptReply | None = Field(description="What a person is asked now; null: nothing.")
-    trouble: SaidOrNull = Field(description="Why the session waits for the disk; null where it does not.")
+    person: str | None = Field(description="Person who caused the state.", examples=["Ada Byron"])
+    prompt: PromptReply | None = Field(
+        description="Prompt that is waiting for an answer; null if there is none."
+    )
+    trouble: SaidOrNull = Field(description="Reason why the session waits for the disk; null if it does not.")
     tracker_in_question: IdentityReply | None = Field(
-        description="Another tracker answers; it is accepted by a confirmation that names its serial number."
+        description="A different tracker has responded; accept it by confirming with its serial number. "
+        "Null if there is none."
     )
     motion_notice: SaidOrNull = Field(
-        description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
+        description="What this software cannot do once the arm moves, for the person who confirms; null "
+        "without a robot."
     )
-    planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
-    measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
-    skipped: int = Field(description="Of a ballbar session: poses left out.", examples=[0])
-    simulated: bool = Field(description="True: no robot and no instrument take part in this session.")
+    planned: int = Field(
+        description="Number of configurations in the plan, including repeat measurements.", examples=[55]
+    )
+    measured: int = Field(
+        description="Number of configurations measured; for a ballbar session, poses with at least one "
+        "length.",
+        examples=[12],
+    )
+    skipped: int = Field(
+        description="Number of configurations skipped; for a ballbar session, poses.", examples=[0]
+    )
+    simulated: bool = Field(description="True if the session has no real robot or instrument.")
 
 
 class SessionDetailReply(SessionReply):
     """A session with its history."""
 
-    progress: ProgressReply | None = Field(description="As it last said; null before the first move.")
-    states: list["StateReply"] = Field(description="Every state it was in, oldest first.")
+    progress: ProgressReply | None = Field(description="Latest progress; null before the first move.")
+    states: list["StateReply"] = Field(description="All states of the session, oldest first.")
     skipped_stops: list["SkippedStopReply"]
-    registration: "RegistrationReply | None" = Field(description="The tracker's place in the world.")
-    identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
+    registration: "RegistrationReply | None" = Field(
+        description="Position of the tracker in the world frame."
+    )
+    identities: list[IdentityReply] = Field(
+        description="Devices that identified themselves, and who accepted them."
+    )
     notes: list[Said]
 
 
 class StateReply(Reply):
-    """One step in the life of a session."""
+    """A state in the history of a session."""
 
     recorded_at: RecordedAt
     state: SessionState
@@ -210,42 +273,50 @@ class StateReply(Reply):
 
 
 class SkippedStopReply(Reply):
-    """A configuration that was not measured; never filled in."""
+    """A configuration that was not measured; no value is substituted."""
 
     config: int = Field(examples=[17])
-    time_s: float = Field(description="Cell time.")
+    time_s: float = Field(description="Cell time at which it was skipped.")
     reason: Said = Field(examples=["No reflector was found within 10 mm."])
 
 
 class RegistrationReply(Reply):
-    """The tracker's place in the world, from the fixed nests."""
+    """Position of the tracker in the world frame, from the fixed nests."""
 
-    tracker_position_mm: list[float] = Field(description="In the world frame.")
+    tracker_position_mm: list[float] = Field(description="Position of the tracker in the world frame.")
     rms_mm: float | None = Field(
-        description="Of the fixed nests' residuals; null of a camera, whose place the cell file states.",
+        description="RMS residual of the fixed nests; null for a camera, whose position is stated in the "
+        "cell file.",
         examples=[0.006],
     )
-    two_face_mm: float | None = Field(description="Half the difference between the faces.", examples=[0.004])
-    scale: float | None = Field(description="Certified over measured lengths; null: scale not verified.")
+    two_face_mm: float | None = Field(
+        description="Half the difference between the two faces.", examples=[0.004]
+    )
+    scale: float | None = Field(
+        description="Ratio of certified to measured lengths; null if the scale was not verified."
+    )
     scale_standard_uncertainty: float | None
 
 
 class StopReply(Reply):
-    """One configuration of a plan."""
+    """A configuration of a plan."""
 
     config: int
     joints_deg: list[float]
     nest: int
     repeat_of: int | None
-    group: int | None = Field(description="Of stops that belong together: a direction, an hour of drift.")
+    group: int | None = Field(
+        description="Group to which the configuration belongs, such as a direction or an hour of a drift "
+        "test."
+    )
 
 
 class PlanReply(Reply):
-    """What a session does, in order."""
+    """Configurations and parameters of a session, in order of measurement."""
 
     role: Role
     measures: Measured = Field(
-        description="poses where the cell has a camera; fixed nests are of points only."
+        description="`poses` if the cell has a camera; fixed nests are always measured as points."
     )
     approach_offset_deg: float | None
     settle_s: float

@@ -58,10 +58,10 @@ from truepose.web.resources import (
 
 router = resource("/sessions", tags=["sessions"])
 _PLANNED: Final[dict[int | str, dict[str, Any]]] = {
-    201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
+    201: {"model": SessionDetailReply, "description": "The session has been planned; nothing has moved."},
     202: {
         "model": JobReply,
-        "description": "A worker chooses the configurations; the job's result is the session.",
+        "description": "A worker chooses the configurations; the result of the job is the session.",
     },
 }
 
@@ -75,12 +75,12 @@ _PLANNED: Final[dict[int | str, dict[str, Any]]] = {
 async def plan_session(
     here: Here, wanted: AnySessionRequest, response: Response, planning: PlanningRequest
 ) -> SessionDetailReply | JobReply:
-    """Plan a session of any kind: with configurations given (201), or to be chosen (201, or 202 by a job).
+    """Plan a session of any kind, with given configurations (201) or chosen ones (201, or 202 with a job).
 
     Nothing moves. The configurations of a tracker session are chosen by a job; those of a contact or ballbar
-    session at once, within a minute, or by a job with `Prefer: respond-async`. A path between given
-    configurations on which the arm would touch floor, table or itself is refused where the cell states its
-    floor; else the `notes` of the session say so, and the question before it moves.
+    session immediately, within a minute, or by a job with `Prefer: respond-async`. Given configurations are
+    refused if the path between them would make the arm hit the floor, the table or itself and the cell file
+    states the floor; otherwise the `notes` of the session warn of it, as does the prompt before the motion.
     """
     made = await kind_called(wanted.kind).plan(here, wanted, planning)
     if made.by_job:
@@ -92,23 +92,23 @@ async def plan_session(
 
 @router.get("/{id}/proof", responses=ACT)
 async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
-    """Say what the corrections of a model are worth, by a session that was planned to prove it."""
+    """Return the result of a proof move: how far the corrections of a model improve the accuracy."""
     model = (await here.results.model(model_id)).model
     return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
 
 
 @router.get("/{id}/circles", responses=ACT)
 async def get_circles(here: Here, id: Id) -> CircleTestDocument:
-    """Say what each joint errs by, by a session that turned one joint at a time."""
+    """Return the errors of each joint, from a circle test."""
     found = await circles_by_session(here.sessions, here.readings, id)
     return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
 
 
 @router.get("/{id}/sphere", responses=ACT)
 async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocument:
-    """Say how true the arm holds a ballbar's length to one ball, by a ballbar session, also while it runs.
+    """Return the result of a sphere test with the ballbar; available while the session runs.
 
-    Told of are the nominal robot, the models that are asked for, and the one that commanded the arm.
+    It covers the nominal robot, the requested models, and the model that commanded the arm.
     """
     test, robot = await sphere_of(here, id, model_id)
     return sphere_document(test, robot)
@@ -116,7 +116,7 @@ async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocume
 
 @router.get("/{id}/accuracy", responses=ACT)
 async def get_accuracy(here: Here, id: Id, choice: Chosen) -> AccuracyDocument:
-    """Judge a model by the points of a session; of a test of ISO 9283 with its figures."""
+    """Validate a model on the points of a session; an ISO 9283 test includes its characteristics."""
     _, found = await accuracy_of(here, await origin_of(here, id), choice)
     return accuracy_document(found.validation, found.test)
 
@@ -129,7 +129,7 @@ async def list_sessions(here: Here, paging: Paged) -> list[SessionReply]:
 
 @router.get("/{id}", responses=READ)
 async def get_session(here: Here, id: Id) -> SessionDetailReply:
-    """Show a session with its progress and history."""
+    """Return a session with its progress and history."""
     shown = await _shown(here, id)
     progress = await here.sessions.progress(id)
     registration = await here.sessions.registration(id)
@@ -146,7 +146,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
 
 @router.get("/{id}/progress", responses=READ)
 async def get_progress(here: Here, id: Id) -> ProgressReply:
-    """Say how far the session is; follow `events` instead of asking again and again."""
+    """Return the progress of a session; follow `events` instead of polling."""
     record = await here.sessions.get(id)
     progress = await here.sessions.progress(id)
     if progress is not None:
@@ -165,9 +165,9 @@ async def get_progress(here: Here, id: Id) -> ProgressReply:
 async def add_configurations(
     here: Here, id: Id, wanted: AdditionRequest, response: Response, key: OptionalKey
 ) -> AdditionReply:
-    """Add configurations to a session that has not ended, e.g. those that a diagnosis proposes.
+    """Add configurations to a session that has not ended, such as those proposed by a diagnosis.
 
-    They are judged as planned ones are, and measured after all others once a person has confirmed that the
+    They are checked like planned ones and measured after all others, once a person has confirmed that the
     cell is clear for them.
     """
     await require_authority(here, id, CommandName.SKIP)

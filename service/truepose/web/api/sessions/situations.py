@@ -18,36 +18,45 @@ from truepose.web.schemas import Number, ReasonKey, RecordId, Reply
 
 
 class IdentityReply(Reply):
-    """What a device answered when it was asked who it is, where that said anything new."""
+    """How a device identified itself, if this was new information."""
 
     device: IdentityOf
-    finding: Finding = Field(description="`foreign` waits for a person; `accepted` says who it was.")
+    finding: Finding = Field(
+        description="`foreign`: a person must accept the device; `accepted`: `person` accepted it."
+    )
     serial_number: Annotated[str | None, null_if_empty("serial")] = Field(
-        description="As it answered; null: it does not say.", examples=["391234"]
+        description="Serial number reported by the device; null if it reports none.", examples=["391234"]
     )
     expected_serial_number: Annotated[str | None, null_if_empty("expected")] = Field(
-        description="Of the cell file, or of the session so far; null: none.", examples=["390003"]
+        description="Serial number in the cell file or of the session so far; null if there is none.",
+        examples=["390003"],
     )
-    person: str | None = Field(description="Who accepted it.", examples=["Ada Byron"])
+    person: str | None = Field(description="Person who accepted the device.", examples=["Ada Byron"])
 
 
 People = Annotated[
     list[str],
     Field(
-        description="Who may act, as the cell file announces them; empty: whoever gives a name.",
+        description="People permitted to act, from the cell file; empty if any name is accepted.",
         examples=[["Ada Byron", "Grace Hopper"]],
     ),
 ]
 
 
 class PromptReply(Reply):
-    """What a person is asked; nothing moves meanwhile."""
+    """A prompt for a person; nothing moves until it is answered."""
 
-    id: Number = Field(description="An answer names it as `prompt_id`; no other has it.", examples=[57])
+    id: Number = Field(
+        description="Identifier of the prompt, unique; the answer refers to it as `prompt_id`.", examples=[57]
+    )
     message: Said = Field(examples=["Is the cell clear?"])
-    picture: str = Field(description="What to draw beside it.", examples=["/api/v1/sessions/3/scene"])
-    answered_by: CommandName = Field(description="The command.", examples=["confirm"])
-    leads_to: list[int] = Field(description="Configurations to which the arm may go then.", examples=[[1, 2]])
+    picture: str = Field(
+        description="Address of the picture to show beside it.", examples=["/api/v1/sessions/3/scene"]
+    )
+    answered_by: CommandName = Field(description="Command that answers the prompt.", examples=["confirm"])
+    leads_to: list[int] = Field(
+        description="Configurations to which the arm may move after the answer.", examples=[[1, 2]]
+    )
     people: People
 
 
@@ -57,27 +66,32 @@ def prompt_reply(session_id: int, asked: Prompt | None) -> PromptReply | None:
 
 
 class SituationReply(Reply):
-    """A session and where it stands."""
+    """Current situation of a session."""
 
     id: RecordId
-    kind: str = Field(description="What measures in it.", examples=["tracker"])
+    kind: str = Field(description="Kind of session.", examples=["tracker"])
     name: str = Field(examples=["left arm"])
     state: SessionState
-    reason: Said = Field(description="Why it is in this state.")
+    reason: Said = Field(description="Reason for the state.")
     reason_key: ReasonKey
-    simulated: bool = Field(description="True: no robot and no instrument take part.")
+    simulated: bool = Field(description="True if no real robot or instrument takes part.")
     robot: str = Field(examples=["ABB IRB 120"])
-    prompt: PromptReply | None = Field(description="What a person is asked now; null: nothing.")
-    trouble: SaidOrNull = Field(description="Why the session waits for the disk; null where it does not.")
+    prompt: PromptReply | None = Field(
+        description="Prompt that is waiting for an answer; null if there is none."
+    )
+    trouble: SaidOrNull = Field(description="Reason why the session waits for the disk; null if it does not.")
     motion_notice: SaidOrNull = Field(
-        description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
+        description="What this software cannot do once the arm moves, for the person who confirms; null "
+        "without a robot."
     )
     people: People
-    ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
+    ledger_number: int | None = Field(description="Number of the latest ledger entry; null before the first.")
     robot_moving: bool
-    commands: list[CommandName] = Field(description="What may be asked of it now.")
-    watching: int = Field(description="Tablets that follow the session.", examples=[2])
-    identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
+    commands: list[CommandName] = Field(description="Commands available now.")
+    watching: int = Field(description="Number of tablets that follow the session.", examples=[2])
+    identities: list[IdentityReply] = Field(
+        description="Devices that identified themselves, and who accepted them."
+    )
 
 
 S = TypeVar("S", bound=SituationReply)

@@ -18,7 +18,7 @@ _MOST: Final = 120  # stops, of which a picture is still read
 
 @router.get("/{id}/space", responses=ACT)
 async def get_session_space(here: Here, id: Id) -> PlanSpaceReply:
-    """Show a session in space by the nominal robot: arm, tool and bars at each stop, measured or to come."""
+    """Return the nominal arm, tool and bars in 3D at each configuration, measured or still to come."""
     record = await here.sessions.get(id)
     cell = (await here.sessions.setup(id)).cell
     places, states = await kind_of(record).places(here, id)
