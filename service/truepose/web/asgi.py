@@ -46,15 +46,15 @@ _AS_IT_IS: Final = (
     LINES,
 )
 _DESCRIPTION: Final = (
-    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
-    "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
-    "are problem documents (RFC 9457) with one sentence in `detail`. Any request may be answered with 421 "
-    "where it names another host than the service, 403 where a browser sends it from somebody else's "
-    "page or the role of whoever asks is too low, 401 where nobody is signed in, 415 where it is a form, "
-    "and 503 with Retry-After where too many are under way. Programs send their token as `Authorization: "
-    "Bearer`. This software is not the safety function: nothing moves before a named person has confirmed, "
-    "and the emergency "
-    "stop stays in reach."
+    "Measures industrial robots, identifies the errors of their nominal model, validates the "
+    "result and diagnoses the causes of the residual errors. Every quantity names its unit; "
+    "angles are in degrees. Errors are problem documents (RFC 9457) with an explanation in "
+    "`detail`. Any request may be answered with 401 if nobody is signed in, 403 if the role of "
+    "the caller is insufficient or a browser sends the request from another site's page, 415 "
+    "if it is a form, 421 if it names a host other than the service, and 503 with Retry-After "
+    "if too many requests are in progress. Programs send their token as `Authorization: "
+    "Bearer`. This software is not the safety function: nothing moves until a named person has "
+    "confirmed, and the emergency stop must stay within reach."
 )
 
 

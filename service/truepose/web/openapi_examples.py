@@ -14,7 +14,7 @@ _JSON: Final = "application/json"
 _USUAL: Final = {  # what texts of these names hold, wherever a schema has no example of its own
     "answered_serial_number": "391234",
     "branch": "front, up, no flip",
-    "cautions": "Targets beyond the measured zone are corrected less well.",
+    "cautions": "Targets outside the measured zone are corrected less accurately.",
     "cells": "512.4",
     "centre": "nest 1",
     "certainty": "read",
@@ -35,7 +35,7 @@ _USUAL: Final = {  # what texts of these names hold, wherever a schema has no ex
     "message": "reading the campaign",
     "model": "model 3",
     "name": "left arm",
-    "notes": "Two readings were taken again.",
+    "notes": "Two readings were repeated.",
     "original_sha256": "2c26b46b68ffc68f",
     "parameters": "theta_2",
     "people": "Ada Byron",

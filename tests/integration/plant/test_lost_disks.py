@@ -105,7 +105,7 @@ async def test_a_plant_makes_copies_while_it_serves_and_says_how_old_the_newest_
     assert health["status"] == "ok"
     assert (amiss["status"], amiss["fault"]) == (
         "degraded",
-        "No copy of the database could be made; the log says why.",
+        "The database could not be backed up. See the log for the reason.",
     )
     (copy,) = (tmp_path / "away").glob("*.sqlite3")
     assert verify_left(copy).findings == ()

@@ -134,7 +134,7 @@ async def test_health_tells_strangers_that_something_is_amiss_and_people_what(
         stranger = (await client.get("/health")).json()
         known = (await client.get("/health", headers={"Authorization": f"Bearer {secret}"})).json()
 
-    assert (stranger["status"], stranger["fault"]) == ("degraded", "Something is amiss; sign in to see what.")
+    assert (stranger["status"], stranger["fault"]) == ("degraded", "There is a problem; sign in for details.")
     assert known["fault"] == "The disk is full."
 
 
@@ -179,7 +179,7 @@ async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch)
     after = (await service.get("/health")).json()
 
     assert (before["status"], before["fault"]) == ("ok", None)
-    assert (after["status"], after["fault"][:30]) == ("degraded", "No cell is visited any more; t")
+    assert (after["status"], after["fault"][:30]) == ("degraded", "Cells are no longer visited. S")
 
 
 def test_every_operation_of_a_plant_has_its_least_role():

@@ -22,7 +22,7 @@ from truepose.web.schemas import Reply, Request, example
 
 
 class AuthorityRequest(Request):
-    """Whether to take the authority from whoever has it."""
+    """Whether to take over the session from the person who controls it."""
 
     model_config = example({"take_over": False})
 
@@ -30,12 +30,16 @@ class AuthorityRequest(Request):
 
 
 class AuthorityReply(Reply):
-    """Who acts in a session."""
+    """Person who controls a session."""
 
-    person: str | None = Field(description="Null: whoever acts next.", examples=["Ada Byron"])
-    tablet: str = Field(description="Where; empty: nobody said.", examples=["cell 3"])
-    mine: bool = Field(description="Whether it is whoever asks.")
-    left_s: float = Field(description="How long it lasts if nothing renews it.", examples=[LEASE_S])
+    person: str | None = Field(
+        description="Person in control; null if anyone may take control.", examples=["Ada Byron"]
+    )
+    tablet: str = Field(description="Tablet of this person; empty if not named.", examples=["cell 3"])
+    mine: bool = Field(description="True if the caller is in control.")
+    left_s: float = Field(
+        description="Remaining time until control lapses unless it is renewed.", examples=[LEASE_S]
+    )
 
 
 router = resource("/sessions", tags=["people"])
@@ -66,7 +70,7 @@ async def require_authority(here: Context, session_id: int, act: CommandName) ->
 
 @router.get("/{id}/authority", responses=READ)
 async def get_authority(here: Here, asker: CurrentCaller, id: Id) -> AuthorityReply:
-    """Say who acts in a session."""
+    """Return who controls a session."""
     await here.sessions.get(id)
     return _reply(here, here.people.leases.of(id), asker)
 
@@ -75,9 +79,9 @@ async def get_authority(here: Here, asker: CurrentCaller, id: Id) -> AuthorityRe
 async def claim_authority(
     here: Here, asker: CurrentCaller, id: Id, wanted: AuthorityRequest
 ) -> AuthorityReply:
-    """Have the authority over a session, or go on having it: a page renews it every few seconds.
+    """Take or renew control of a session; a page renews it every few seconds.
 
-    Another person, or the same one at another tablet, takes it over only where they say so.
+    Another person, or the same person at another tablet, takes control only with `take_over`.
     """
     await here.sessions.get(id)
     if asker.everybody or asker.sign_in is None:
@@ -95,7 +99,7 @@ async def claim_authority(
 
 @router.delete("/{id}/authority", status_code=status.HTTP_204_NO_CONTENT, responses=READ)
 async def give_up_authority(here: Here, asker: CurrentCaller, id: Id) -> None:
-    """Leave the authority over a session to whoever acts next."""
+    """Give up control of a session, so that anyone may take it."""
     await here.sessions.get(id)
     here.people.leases.give_up(id, asker)
 

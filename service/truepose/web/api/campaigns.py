@@ -45,24 +45,26 @@ from truepose.web.schemas import (
 
 
 class CampaignRequest(Request):
-    """What to make a campaign of, beside the calibration session."""
+    """Campaign to create from a calibration session."""
 
     model_config = example({"name": "left arm", "validation_session_id": 2})
 
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     validation_session_id: Number | None = Field(
-        None, description="Its readings never identify, only judge.", examples=[2]
+        None, description="Validation session; its readings are never used for identification.", examples=[2]
     )
 
 
 class SessionsRequest(Request):
-    """Sessions to make a campaign of."""
+    """Sessions from which to create a campaign."""
 
     model_config = example({"name": "left arm", "session_ids": [3, 2]})
 
     name: str = Field("campaign", min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     session_ids: list[Number] = Field(
-        min_length=1, max_length=2, description="The one that identifies, then the one that judges, if any."
+        min_length=1,
+        max_length=2,
+        description="Calibration session, then the validation session if there is one.",
     )
 
 
@@ -72,28 +74,33 @@ class CampaignReply(Reply):
     id: RecordId
     recorded_at: RecordedAt
     name: str = Field(examples=["left arm"])
-    robot: str = Field(description="As the campaign names it; it brings its own table.")
-    session_ids: list[int] = Field(description="It was made of these; empty for an upload.")
+    robot: str = Field(description="Robot name in the campaign, which includes its own nominal model.")
+    session_ids: list[int] = Field(description="Sessions of the campaign; empty for an upload.")
     simulated: Simulated
     measured_on: str | None = Field(
-        description="Day of the readings, as the upload or its description said; null: neither did.",
+        description="Date of the readings, from the upload or its description; null if not stated.",
         examples=["2026-03-03"],
     )
     robot_serial_number: str | None = Field(
-        description="As the upload or its description said; null: neither did. Of sessions, see theirs.",
+        description="Serial number of the robot, from the upload or its description; null if not stated. "
+        "For a campaign from sessions, see the sessions.",
         examples=["120-500123"],
     )
     instrument_serial_number: str | None = Field(
-        description="Of what read all of it, as the robot's.", examples=["391234"]
+        description="Serial number of the instrument of all readings, from the same source as that of the "
+        "robot.",
+        examples=["391234"],
     )
     calibration_points: int = Field(examples=[55])
     validation_points: int = Field(examples=[1000])
     calibration_legs: int
     validation_legs: int
-    calibration_contacts: int = Field(description="Readings of closed loops.")
+    calibration_contacts: int = Field(description="Number of readings of closed loops.")
     validation_contacts: int
-    reference_readings: int = Field(description="Looks at fixed nests.")
-    ignored: list[str] = Field(description="Columns and keys kept but not understood, a sentence each.")
+    reference_readings: int = Field(description="Number of reference measurements of the fixed nests.")
+    ignored: list[str] = Field(
+        description="Columns and keys that were kept but not understood, one sentence each."
+    )
     notes: list[str]
     archive_url: str = Field(examples=["/api/v1/campaigns/3/archive"])
 
@@ -109,7 +116,7 @@ router = resource(tags=["campaigns"])
 _DAY_READER: Final[TypeAdapter[Day]] = TypeAdapter(Day)
 _RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
-_DAY = {"type": "string", "format": "date", "description": "Day of the readings."}
+_DAY = {"type": "string", "format": "date", "description": "Date of the readings."}
 _SERIAL = {"type": "string", "maxLength": 200, "description": "Serial number."}
 _SERIALS: Final = ("robot_serial_number", "instrument_serial_number")
 _SAID = {"file": _BINARY, "measured_on": _DAY, **dict.fromkeys(_SERIALS, _SERIAL)}
@@ -128,13 +135,17 @@ _ZIP = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
 CampaignName = Annotated[
     str | None,
     Query(
-        min_length=1, max_length=200, pattern=VISIBLE, description="Else the file's name.", examples=["left"]
+        min_length=1,
+        max_length=200,
+        pattern=VISIBLE,
+        description="Name of the campaign; by default, the file name.",
+        examples=["left"],
     ),
 ]
 MeasuredOn = Annotated[
     Day | None,
     Query(
-        description="Day of the readings; else that of the form, or of the campaign's description.",
+        description="Date of the readings; by default, as stated in the form or in the campaign description.",
         examples=["2026-03-03"],
     ),
 ]
@@ -143,11 +154,18 @@ SerialNumber: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, pat
 _SERIAL_READER: Final[TypeAdapter[str]] = TypeAdapter(SerialNumber)
 RobotSerial = Annotated[
     SerialNumber | None,
-    Query(description="Of the robot; else as the form, or the description, says.", examples=["120-500123"]),
+    Query(
+        description="Serial number of the robot; by default, as stated in the form or description.",
+        examples=["120-500123"],
+    ),
 ]
 InstrumentSerial = Annotated[
     SerialNumber | None,
-    Query(description="Of what read all of it; else as the robot's.", examples=["391234"]),
+    Query(
+        description="Serial number of the instrument of all readings; by default, as stated in the form or "
+        "description.",
+        examples=["391234"],
+    ),
 ]
 
 
@@ -176,11 +194,11 @@ async def upload_campaign(
     instrument_serial_number: InstrumentSerial = None,
     key: IdempotencyKey = None,
 ) -> CampaignReply:
-    """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
+    """Store a campaign: a zipped folder, as body or as a file of a form, or sessions to create it from.
 
-    An uploaded folder brings its own robot. One upload is read at a time and a few wait; where too many wait
-    already (503), and where the connection ends before the answer, nothing is stored. Of two sessions the
-    second one judges what the first identifies.
+    An uploaded folder contains its own robot model. One upload is read at a time and a few wait; if too many
+    are waiting (503) or the connection ends before the response, nothing is stored. Of two sessions, the
+    first is used for identification and the second for validation.
     """
     if sent_type(request) == "application/json":
         number = await _of_sessions(here, request, key)
@@ -197,7 +215,7 @@ async def upload_campaign(
 async def make_campaign(
     here: Here, id: Id, wanted: CampaignRequest, response: Response, key: OptionalKey
 ) -> CampaignReply:
-    """Make a campaign of a calibration session and, if there is one, the validation session beside it."""
+    """Create a campaign from a calibration session and, if given, its validation session."""
     number = await here.campaign_desk.from_sessions(wanted.name, id, wanted.validation_session_id, key)
     response.headers["Location"] = f"/api/v1/campaigns/{number}"
     return campaign_reply(await here.campaigns.get(number))
@@ -211,7 +229,7 @@ async def list_campaigns(here: Here, paging: Paged) -> list[CampaignReply]:
 
 @router.get("/campaigns/{id}", responses=READ)
 async def get_campaign(here: Here, id: Id) -> CampaignReply:
-    """Show what a campaign holds."""
+    """Return a stored campaign."""
     return campaign_reply(await here.campaigns.get(id))
 
 
@@ -221,7 +239,7 @@ async def get_campaign(here: Here, id: Id) -> CampaignReply:
     responses=sending("Zip of the campaign folder.", _ZIP) | READ,
 )
 async def download_campaign(here: Here, id: Id) -> Response:
-    """Download the zip of a campaign folder: an upload as it came, byte for byte."""
+    """Download the zipped campaign folder; an upload is returned byte for byte."""
     archive = await here.campaign_desk.archive(id)
     saved_as = {"Content-Disposition": f'attachment; filename="campaign-{id}.zip"'}
     return Response(archive, media_type="application/zip", headers=saved_as)

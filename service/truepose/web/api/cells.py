@@ -12,7 +12,7 @@ from truepose_drivers.api import DeviceKind
 
 
 class EndpointReply(Reply):
-    """Where one instrument of a simulated cell listens; any client of its protocol may look at it."""
+    """Address of one instrument of a simulated cell; any client of its protocol may connect to read it."""
 
     device: str = Field(examples=["tracker"])
     protocol: str = Field(examples=["emscon"])
@@ -21,53 +21,71 @@ class EndpointReply(Reply):
 
 
 class NestReply(Reply):
-    """A nest: where it is, and how well that is known."""
+    """Position of a nest, with its uncertainty."""
 
-    nest: int = Field(description="Number, from 1.", examples=[1])
-    centre_mm: Point | None = Field(description="Null where it must be found from the data.")
+    nest: int = Field(description="Number of the nest, starting at 1.", examples=[1])
+    centre_mm: Point | None = Field(
+        description="Position of the centre; null if it must be identified from the data."
+    )
     standard_uncertainty_mm: float | None = Field(examples=[0.002])
 
 
 class CellReply(Reply):
-    """A cell: a robot, what measures it, and the artefacts it is measured on."""
+    """A cell: its robot, instruments and artefacts."""
 
     name: str = Field(examples=["Simulated cell irb120-tilted"])
-    robot: str = Field(description="Name of the robot; see robots.", examples=["ABB IRB 120"])
+    robot: str = Field(description="Name of the robot, as in the list of robots.", examples=["ABB IRB 120"])
     robot_serial_number: str = Field(examples=["120-500123"])
     joints: int = Field(description="Number of joints.", examples=[6])
-    simulated: bool = Field(description="True: no robot and no instrument take part.")
-    scenario: str | None = Field(description="Of the simulated cell.", examples=["irb120-tilted"])
-    endpoints: list[EndpointReply] = Field(description="Of the simulated cell; empty for a real one.")
+    simulated: bool = Field(description="True if no real robot or instrument takes part.")
+    scenario: str | None = Field(
+        description="Scenario of the simulated cell; null for a real cell.", examples=["irb120-tilted"]
+    )
+    endpoints: list[EndpointReply] = Field(
+        description="Endpoints of the simulated cell; empty for a real cell."
+    )
     devices: list[str] = Field(description="Names of the devices.", examples=[["tracker", "robot"]])
-    tool_nests: list[NestReply] = Field(description="In the frame of the last joint.")
-    fixed_nests: list[NestReply] = Field(description="In the world frame.")
-    load: str = Field(description="What the robot carries, as the cell file says.", examples=["2.7 kg"])
-    warm_up: str = Field(description="As the cell file says.", examples=["30 min"])
+    tool_nests: list[NestReply] = Field(description="Tool nests, in the frame of the last joint.")
+    fixed_nests: list[NestReply] = Field(description="Fixed nests, in the world frame.")
+    load: str = Field(description="Payload of the robot, from the cell file.", examples=["2.7 kg"])
+    warm_up: str = Field(description="Warm-up, from the cell file.", examples=["30 min"])
     people: list[str] = Field(
-        description="Who may confirm, as the cell file announces them; empty: whoever gives a name.",
+        description="People permitted to confirm, from the cell file; empty if any name is accepted.",
         examples=[["Ada Byron", "Grace Hopper"]],
     )
 
 
 class DeviceReply(Reply):
-    """A device of the cell and the state of its link."""
+    """A device of the cell and the state of its connection."""
 
     name: str = Field(examples=["tracker"])
     kind: DeviceKind = Field(examples=["tracker"])
     driver: str = Field(examples=["leica_emscon"])
     protocol: str = Field(examples=["emscon"])
     connected: bool
-    session_id: int | None = Field(description="The session that holds the device.")
-    fault: str | None = Field(description="Why the last attempt to connect failed.")
-    manufacturer: str | None = Field(description="As the device said itself.", examples=["Leica Geosystems"])
+    session_id: int | None = Field(description="Session that uses the device; null if none.")
+    fault: str | None = Field(
+        description="Reason why the last connection attempt failed; null if it did not."
+    )
+    manufacturer: str | None = Field(
+        description="Manufacturer reported by the device.", examples=["Leica Geosystems"]
+    )
     model: str | None = Field(examples=["AT401"])
     firmware: str | None = Field(examples=["2.0"])
-    serial_number: str | None = Field(description="As the device said, else as the cell file says.")
-    expected_serial_number: str | None = Field(description="As the cell file says; null: it names none.")
-    answered_serial_number: str | None = Field(description="As the device last said; null: it did not.")
-    foreign: bool = Field(description="Another device answered than the cell file names.")
-    certificate: str = Field(description="As the cell file says; empty where another device answered.")
-    certificate_expires: str = Field(description="ISO date; empty where nobody said it.")
+    serial_number: str | None = Field(
+        description="Serial number reported by the device, otherwise the one in the cell file."
+    )
+    expected_serial_number: str | None = Field(
+        description="Serial number in the cell file; null if not stated."
+    )
+    answered_serial_number: str | None = Field(
+        description="Serial number last reported by the device; null if it reported none."
+    )
+    foreign: bool = Field(description="True if a device other than the one in the cell file responded.")
+    certificate: str = Field(
+        description="Certificate, from the cell file; empty if a different device responded."
+    )
+    certificate_expires: str = Field(description="Expiry date of the certificate (ISO); empty if not stated.")
 
 
 def cell_reply(cell: Cell, endpoints: tuple[Endpoint, ...]) -> CellReply:
@@ -110,13 +128,13 @@ router = resource("/cells", tags=["cells"])
 
 @router.get("", responses=LIST)
 async def list_cells(here: Here, paging: Counted) -> list[CellReply]:
-    """List the cells of this service: the one of its cell file."""
+    """List the cells of this service, which is the one in its cell file."""
     return paging.of([here.cell], lambda cell: cell_reply(cell, here.endpoints))
 
 
 @router.get("/{name}", responses=problems(404, 422))
 async def get_cell(here: Here, name: Name) -> CellReply:
-    """Show a cell: robot, devices and artefacts."""
+    """Return a cell: robot, devices and artefacts."""
     if name != here.cell.name:
         raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
     return cell_reply(here.cell, here.endpoints)
@@ -127,23 +145,23 @@ devices_router = resource("/devices", tags=["devices"])
 
 @devices_router.get("", responses=listing(422))
 async def list_devices(here: Here, paging: Counted) -> list[DeviceReply]:
-    """List the devices and the state of their links."""
+    """List the devices and the state of their connections."""
     return paging.of(here.rack.statuses(), device_reply)
 
 
 @devices_router.get("/{name}", responses=problems(404, 422))
 async def get_device(here: Here, name: Name) -> DeviceReply:
-    """Show a device."""
+    """Return a device."""
     return device_reply(here.rack.status(name))
 
 
 @devices_router.post("/{name}/connect", responses=ACT)
 async def connect_device(here: Here, name: Name) -> DeviceReply:
-    """Open the link to a device and ask it who it is; 503 with a sentence where it does not answer."""
+    """Connect to a device and ask it to identify itself; 503 if it does not respond."""
     return device_reply(await here.rack.connect(name))
 
 
 @devices_router.post("/{name}/disconnect", responses=problems(404, 409, 422))
 async def disconnect_device(here: Here, name: Name) -> DeviceReply:
-    """Close the link to a device; refused while a session holds it."""
+    """Disconnect from a device; refused while a session uses it."""
     return device_reply(await here.rack.disconnect(name))

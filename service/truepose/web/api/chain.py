@@ -22,20 +22,22 @@ LINES: Final = "application/x-ndjson"  # media type of links
 
 
 class ChainHeadReply(Reply):
-    """How far the chain of a cell goes, and what time it is there."""
+    """State of the hash chain of a cell, and the time of its clock."""
 
-    cell: str = Field(description="Name in the cell file.", examples=["left arm"])
-    version: str = Field(description="Of the program.", examples=["0.1.0"])
-    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0001"])
-    newest: int = Field(description="Number of the newest link.", examples=[4711])
-    links: int = Field(description="How many links the head stands for.", examples=[4711])
-    head: str = Field(description="As reports print it.", examples=["4711-K3QF-7ZWD-M2PA-XY5R"])
+    cell: str = Field(description="Name of the cell in its cell file.", examples=["left arm"])
+    version: str = Field(description="Version of the software.", examples=["0.1.0"])
+    schema_revision: str = Field(
+        alias="schema", description="Schema revision of the database.", examples=["0001"]
+    )
+    newest: int = Field(description="Number of the newest chain entry.", examples=[4711])
+    links: int = Field(description="Number of chain entries covered by the head hash.", examples=[4711])
+    head: str = Field(description="Head hash, as printed in reports.", examples=["4711-K3QF-7ZWD-M2PA-XY5R"])
     hash: str | None = Field(
-        description="Of the last of these links, in hexadecimal; null: there is none.",
+        description="Hash of the last covered entry, in hexadecimal; null if there is none.",
         examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
     )
     time: str = Field(
-        description="Time of day as this computer has it: UTC, ISO 8601.",
+        description="Time of this computer's clock: UTC, ISO 8601.",
         examples=["2026-05-04T09:12:33.125000+00:00"],
     )
 
@@ -48,15 +50,20 @@ _EXAMPLE: Final = (
     '"row":{"id":1,"name":"left arm"}}\n{"end":1,"newest":1}\n'
 )
 _SENT: Final = sending(
-    "A link a line, then one line that says how far it goes.",
+    "One chain entry per line, then a line that states the last entry sent.",
     {LINES: {"schema": {"type": "string"}, "example": _EXAMPLE}},
 )
 At = Annotated[
     int | None,
-    Query(alias="links", ge=0, le=NUMBER_LIMIT, description="As it was with so many links; else as it is."),
+    Query(
+        alias="links",
+        ge=0,
+        le=NUMBER_LIMIT,
+        description="Number of chain entries for which to return the state; by default, all.",
+    ),
 ]
-After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Links above this number.")]
-Limit = Annotated[int, Query(ge=1, le=MOST_LINKS, description="At most so many links.")]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Only chain entries with a higher number.")]
+Limit = Annotated[int, Query(ge=1, le=MOST_LINKS, description="Maximum number of chain entries.")]
 
 
 def wall_time() -> datetime:
@@ -66,7 +73,7 @@ def wall_time() -> datetime:
 
 @router.get("/head", responses=problems(422, 503))
 async def get_chain_head(here: Here, at: At = None) -> ChainHeadReply:
-    """Tell how far the chain goes, its head as reports print it, and what time it is here."""
+    """Return the length of the hash chain, its head as printed in reports, and the time of this computer."""
     stand = await Outbox(here.database).stand(at)
     return ChainHeadReply(
         cell=here.cell.name,
@@ -82,10 +89,10 @@ async def get_chain_head(here: Here, at: At = None) -> ChainHeadReply:
 
 @router.get("/links", response_class=Response, responses=_SENT | problems(422, 503))
 async def list_links(here: Here, after: After = 0, limit: Limit = 500) -> StreamingResponse:
-    """Send links of the chain with their records, in their order, so that each hash can be computed anew.
+    """Send chain entries with their records in order, so that each hash can be recomputed.
 
-    Of a record that does not leave the cell only the link is sent. A page ends after `limit` links or 8 MB;
-    a page without its last line, `{"end": ..., "newest": ...}`, was cut off on its way.
+    For a record that does not leave the cell, only the entry is sent. A page ends after `limit` entries or 8
+    MB; a page without the last line `{"end": ..., "newest": ...}` was truncated in transit.
     """
     records = Outbox(here.database)
     # Once the head of an answer is sent no problem document can follow it.

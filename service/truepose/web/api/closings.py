@@ -13,20 +13,20 @@ from truepose.web.schemas import PersonName, Reply, Request
 
 
 class ClosingRequest(Request):
-    """Who closes a session, and as what."""
+    """Person who closes a session, and the status to give it."""
 
     closed_as: ClosedAs = Field(examples=["calibrated"])
     person: PersonName
     reason: str = Field(
         "",
         max_length=2000,
-        description="Needed where a certificate did not hold; every report prints it.",
+        description="Reason; required if a certificate was not valid. It is printed in every report.",
         examples=["The laboratory returns the tracker on Monday; it was checked on the scale bar."],
     )
 
 
 class CertificateReply(Reply):
-    """A certificate as it stood when the last reading was taken."""
+    """State of a certificate at the time of the last reading."""
 
     what: Annotated[str, FieldSource("paper.of")] = Field(examples=["laser tracker"])
     serial_number: Annotated[str | None, null_if_empty("paper.serial_number")] = Field(examples=["391234"])
@@ -34,13 +34,13 @@ class CertificateReply(Reply):
         examples=["ISO 10360-10 report 2026-0815"]
     )
     expires: Annotated[str | None, null_if_empty("paper.expires")] = Field(
-        description="ISO date; null: nobody said it.", examples=["2027-03-31"]
+        description="Expiry date (ISO); null if not stated.", examples=["2027-03-31"]
     )
-    standing: Standing = Field(description="`ends soon`: 30 days or less were left.")
+    standing: Standing = Field(description="`ends soon`: 30 days or less remained.")
 
 
 class ClosingReply(Reply):
-    """What a session is closed as, if it is."""
+    """Status with which a session was closed, if it was."""
 
     closed_as: ClosedAs | Literal["open"]
     person: str | None = Field(examples=["Ada Byron"])
@@ -54,7 +54,7 @@ router = resource("/sessions", tags=["sessions"])
 
 @router.get("/{id}/closing", responses=READ)
 async def get_closing(here: Here, id: Id) -> ClosingReply:
-    """Show what a session is closed as, and the certificates that its readings rest on."""
+    """Return the status with which a session was closed, and the certificates of its readings."""
     await here.sessions.get(id)
     closing = await here.closings.of_session(id)
     if closing is not None:
@@ -65,10 +65,10 @@ async def get_closing(here: Here, id: Id) -> ClosingReply:
 
 @router.post("/{id}/closing", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def close_session(here: Here, id: Id, wanted: ClosingRequest) -> ClosingReply:
-    """Close a session that has ended, once and for all.
+    """Close a session that has ended; this cannot be undone.
 
-    As calibrated only where it finished and every certificate held when its last reading was taken, or with
-    a reason that every report prints.
+    It can be closed as calibrated only if it finished and every certificate was valid at the last reading, or
+    with a reason that is printed in every report.
     """
     closing = Closing(id, wanted.closed_as, wanted.person, wanted.reason, ())
     return ClosingReply.of(await here.closing_desk.close(closing))

@@ -45,17 +45,18 @@ from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
 
 
 class AskedReply(Reply):
-    """How the file was meant; null: as its format has it."""
+    """Options used to interpret the file; null for the default of the file format."""
 
     frame: str | None = None
-    define: list[str] = Field([], description="Frames that the file only names.")
+    define: list[str] = Field([], description="Definitions of frames that the file refers to by name only.")
     branch: str | None = None
     angles: str | None = None
-    coupled: bool = Field(False, description="Whether joint 3 of FANUC counts from the horizontal.")
+    coupled: bool = Field(False, description="True if FANUC joint 3 is measured from the horizontal.")
     as_written: bool = Field(
-        False, description="Whether the numbers are meant so where another unit or frame fits better."
+        False,
+        description="True if the numbers are used as written, even if another unit or frame fits better.",
     )
-    beside: list[str] = Field([], description="Names of the files beside it.")
+    beside: list[str] = Field([], description="Names of the accompanying files.")
 
 
 class CorrectionReply(Reply):
@@ -67,17 +68,19 @@ class CorrectionReply(Reply):
     model_id: RecordId
     robot: str = Field(examples=["ABB IRB 120"])
     simulated: Simulated
-    name: str = Field(description="Of the file.", examples=["weld.mod"])
+    name: str = Field(description="Name of the file.", examples=["weld.mod"])
     original_sha256: str
     corrected_sha256: str
     asked: AskedReply
     document: CorrectionDocument
-    left_alone_count: int = Field(description="The document tells the first 500 of them.")
+    left_alone_count: int = Field(
+        description="Number of uncorrected statements; the document lists the first 500."
+    )
     largest_shift_mm: Quantity = Field(
-        description="From the place meant to the one that the controller is told; null: none was corrected."
+        description="Largest distance from target to corrected position; null if no target was corrected."
     )
     cautions: list[str] = Field(
-        description="What the predictions do not contain, and what was not understood."
+        description="Effects not included in the predictions, and statements that were not understood."
     )
     file_url: str = Field(examples=["/api/v1/corrections/3/file"])
     targets_url: str = Field(examples=["/api/v1/corrections/3/targets"])
@@ -86,17 +89,21 @@ class CorrectionReply(Reply):
 class TargetReply(Reply):
     """A target of a file."""
 
-    number: int = Field(ge=1, description="In the file, from 1.")
+    number: int = Field(ge=1, description="Number in the file, starting at 1.")
     name: str
     line: int
     status: str = Field(examples=["ok"])
     place_mm: list[Quantity] = Field(
-        description="TargetConventions for the origin of the last frame, in the base."
+        description="Target position of the origin of the last frame, in the base frame."
     )
-    shift_mm: list[Quantity] = Field(description="From there to where the controller is told to go.")
-    u_mm: Quantity = Field(description="Standard, per axis, of where the tool really goes.")
-    outside_mm: Quantity = Field(description="How far outside the measured zone; null: unknown.")
-    moved_deg: Quantity = Field(description="Of a joint, from the controller's own answer.")
+    shift_mm: list[Quantity] = Field(
+        description="Shift from the target position to the position sent to the controller."
+    )
+    u_mm: Quantity = Field(description="Standard uncertainty of the attained tool position, per axis.")
+    outside_mm: Quantity = Field(
+        description="Distance outside the measured zone; null if the zone is unknown."
+    )
+    moved_deg: Quantity = Field(description="Largest joint difference from the controller's own solution.")
 
 
 def correction_reply(record: CorrectionRecord) -> CorrectionReply:
@@ -141,8 +148,12 @@ _FORM = {
     "type": "object",
     "required": ["file"],
     "properties": {
-        "file": {**_FILE, "description": "The program; the ending of its name says the format."},
-        "beside": {"type": "array", "items": _FILE, "description": "Other files of it; they are read only."},
+        "file": {**_FILE, "description": "The program; its file extension gives the format."},
+        "beside": {
+            "type": "array",
+            "items": _FILE,
+            "description": "Accompanying files, which are read but not corrected.",
+        },
     },
 }
 _BODY: dict[str, Any] = {
@@ -157,36 +168,40 @@ _ANY_FILE = {"application/octet-stream": {"schema": _FILE}}
 Frame = Annotated[
     Literal["world", "base"] | None,
     Query(
-        description="What targets are given in; null: of a table the frame of the readings, of a program the "
-        "robot's base."
+        description="Frame of the targets. By default, the frame of the readings for a table and the robot "
+        "base for a program."
     ),
 ]
 Define = Annotated[
     list[Annotated[str, Query(max_length=500)]] | None,
     Query(
         max_length=50,
-        description="Of a program: a tool or work object that it only names, NAME=x,y,z,qw,qx,qy,qz.",
+        description="For a program: a tool or work object that is referred to by name only, "
+        "NAME=x,y,z,qw,qx,qy,qz.",
         examples=[["tGun=0,0,150,1,0,0,0"]],
     ),
 ]
 Branch = Annotated[
     str | None,
     Query(
-        description="Of a program: branch of poses that do not say theirs.",
+        description="For a program: branch of poses that do not state one.",
         json_schema_extra={"enum": list(BRANCH_NAMES)},
     ),
 ]
 ANGLES: Final = get_args(Order)
-Angles = Annotated[Order | None, Query(description="Of G-code: axes of A, B, C.")]
+Angles = Annotated[Order | None, Query(description="For G-code: axes of the angles A, B, C.")]
 Coupled = Annotated[
     bool,
-    Query(description="Of FANUC: joint 3 counts from the horizontal; its joint targets are corrected."),
+    Query(
+        description="For FANUC: joint 3 is measured from the horizontal; joint targets are corrected "
+        "accordingly."
+    ),
 ]
 AsWritten = Annotated[
     bool,
     Query(
-        description="Correct targets also where another unit or frame fits them better, or where nearly all "
-        "are out of reach."
+        description="True: correct the targets even if another unit or frame fits better or nearly all are "
+        "out of reach."
     ),
 ]
 
@@ -228,11 +243,11 @@ async def correct_file(
 ) -> JobReply:
     """Correct a robot program or a table of targets, as `truepose correct` does.
 
-    The file is read before the answer: one that cannot be used is refused in a sentence that names the
-    place. RAPID, KRL, LS, URScript, INFORM, VAL3, G-code, JSON and CSV are known by the ending of the name.
-    The job's result is the correction. The job fails, and nothing is written, where the numbers seem to be
-    in another unit or frame or nearly all targets are out of reach, unless they are meant as written. More
-    than 100,000 targets are for the command, which takes tables of any length.
+    The file is read before the response; an unusable file is refused with a sentence that gives the location.
+    RAPID, KRL, LS, URScript, INFORM, VAL3, G-code, JSON and CSV are recognised by the file extension. The
+    result of the job is the correction. The job fails and nothing is written if the numbers appear to be in
+    another unit or frame or if nearly all targets are out of reach, unless `as_written` is set. For more than
+    100,000 targets, use the command, which accepts tables of any length.
     """
     model = (await here.results.model(id)).model
     asked = {
@@ -269,7 +284,7 @@ async def correct_file(
 
 @router.get("/models/{id}/corrections", responses=LIST_OF_RECORD)
 async def list_corrections_of_model(here: Here, id: Id, paging: Paged) -> list[CorrectionReply]:
-    """List the corrections by a model, oldest first."""
+    """List the corrections made with a model, oldest first."""
     await here.results.model(id)
     return paging.shown(await here.corrections.of_model(id, paging.page), correction_reply)
 
@@ -282,13 +297,13 @@ async def list_corrections(here: Here, paging: Paged) -> list[CorrectionReply]:
 
 @router.get("/corrections/{id}", responses=READ)
 async def get_correction(here: Here, id: Id) -> CorrectionReply:
-    """Show what a file came to: counts, extremes, and what was left alone."""
+    """Return the result of a correction: counts, extreme values and uncorrected statements."""
     return correction_reply(await here.corrections.get(id))
 
 
 @router.get("/corrections/{id}/targets", responses=LIST_OF_RECORD)
 async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
-    """List the targets of a file with what became of each, in the order of the file."""
+    """List the targets of a file with their results, in the order of the file."""
     targets, page = await here.corrections.targets(id), paging.page
     total, last = len(targets.names), page.after + page.limit
     paging.say(total, last if last < total else None)
@@ -301,7 +316,7 @@ async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
     responses=sending("The corrected file.", _ANY_FILE) | READ,
 )
 async def download_corrected(here: Here, id: Id) -> Response:
-    """Download the corrected file: of a program all but the numbers of its targets is as it came."""
+    """Download the corrected file; in a program, only the numbers of the targets are changed."""
     record = await here.corrections.get(id)
     saved_as = quote(corrected_name(record.name))
     headers = {"Content-Disposition": f"attachment; filename*=UTF-8''{saved_as}"}

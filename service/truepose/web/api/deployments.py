@@ -25,7 +25,7 @@ _OF_VALUE: Final = ("name", "value", "unit", "prior_width")
 
 
 class HandedDownRequest(Request):
-    """A plan or a model that a plant hands down."""
+    """A plan or a model pushed by a plant."""
 
     person_asks = False  # the plant's service asks, for somebody whom the cell need not know
     kind: Literal["plan", "model"]
@@ -33,65 +33,69 @@ class HandedDownRequest(Request):
     person: str = Field(
         min_length=1,
         max_length=LONGEST_NAME,
-        description="Who hands it down, at the plant.",
+        description="Person at the plant who pushes it.",
         examples=["Ada Byron"],
     )
     document: FreeDocument = Field(
-        description="Of a plan, what `POST /sessions` takes; of a model, the model as it is downloaded.",
+        description="For a plan, the body of `POST /sessions`; for a model, the model as downloaded.",
         examples=[{"name": "monthly check"}],
     )
 
 
 class UseRequest(Request):
-    """Who used what was handed down."""
+    """Person who used a pushed plan or model."""
 
     person: PersonName
     note: str = Field(
-        default="", max_length=1000, description="For what.", examples=["Session 12 was planned with it."]
+        default="",
+        max_length=1000,
+        description="Purpose of the use.",
+        examples=["Session 12 was planned with it."],
     )
 
 
 class AcceptanceRequest(Request):
-    """Who accepts a model that was handed down, and which shift of the tool by it."""
+    """Person who accepts a pushed model, and the accepted shift of the tool."""
 
     person: PersonName
     accepted_shift_mm: float | None = Field(
         default=None,
         ge=0.0,
-        description="Largest shift that the person accepts; asked for where `confirmation_needed`.",
+        description="Largest shift accepted by the person; required if `confirmation_needed` is true.",
         examples=[8.5],
     )
 
 
 class FarValueReply(Reply):
-    """A value far from what its prior expects, in the units of model files."""
+    """A value far from its prior, in the units of model files."""
 
     name: str = Field(examples=["theta_2"])
     value: float = Field(examples=[40.0])
     unit: str = Field(examples=["deg"])
     prior_width: float = Field(examples=[2.86])
-    widths: float = Field(description="How many prior widths it is off.", examples=[14.0])
+    widths: float = Field(description="Deviation in prior standard deviations.", examples=[14.0])
 
 
 class ModelCheckReply(Reply):
-    """What a handed-down model does to the tool in this cell."""
+    """Effect of a pushed model on the tool in this cell."""
 
     digest: Annotated[Literal["intact", "no digest"], FieldSource("integrity")]
     largest_shift_mm: Annotated[float, FieldSource("shift_mm")] = Field(
-        description="Of a tool nest or the flange, from the nominal robot as the cell file has it.",
+        description="Largest shift of a tool nest or the flange, relative to the nominal robot in the cell "
+        "file.",
         examples=[137.2],
     )
     at_joints_deg: list[float] = Field(examples=[[0.0, 90.0, 0.0, 0.0, 0.0, 0.0]])
-    nest: int = Field(description="Which is moved so far; 0: the flange.", examples=[1])
-    limit_mm: float = Field(description="`model_shift_mm` of the cell file.", examples=[5.0])
+    nest: int = Field(description="Nest with the largest shift; 0 for the flange.", examples=[1])
+    limit_mm: float = Field(description="Limit from the cell file, `model_shift_mm`.", examples=[5.0])
     far_from_prior: list[FarValueReply]
     confirmation_needed: Annotated[bool, FieldSource("needs_confirmation")] = Field(
-        description="It is accepted only with `accepted_shift_mm`."
+        description="True if the model is accepted only with `accepted_shift_mm`."
     )
 
 
 class UseReply(Reply):
-    """Somebody used what was handed down."""
+    """A recorded use of a pushed plan or model."""
 
     recorded_at: RecordedAt
     person: str
@@ -99,22 +103,26 @@ class UseReply(Reply):
 
 
 class HandedDownReply(Reply):
-    """A plan or a model that was handed down."""
+    """A plan or a model pushed by a plant."""
 
     id: RecordId
     recorded_at: RecordedAt
-    plant: str = Field(description="As its token is called; empty: nobody is asked.", examples=["plant"])
+    plant: str = Field(
+        description="Name of the plant's token; empty if the cell has no accounts.", examples=["plant"]
+    )
     kind: Literal["plan", "model"]
     name: str = Field(examples=["monthly check"])
-    person: str = Field(description="Who handed it down, at the plant.")
+    person: str = Field(description="Person at the plant who pushed it.")
     said_by: Annotated[str, FieldSource("plant")] = Field(
-        description="The plant that says so; the cell need not know them. Empty: nobody is asked.",
+        description="Plant that named the person, who need not be known to the cell; empty if the cell has "
+        "no accounts.",
         examples=["plant"],
     )
     document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
     uses: list[UseReply]
     model_id: RecordId | None = Field(
-        description="As which it was accepted in this cell; null: it was not.", examples=[7]
+        description="Number of the model after acceptance in this cell; null if it was not accepted.",
+        examples=[7],
     )
 
 
@@ -145,10 +153,10 @@ router = resource("/hand-downs", tags=["plant"])
 async def accept_hand_down(
     here: Here, asker: CurrentCaller, response: Response, wanted: HandedDownRequest, key: RequiredKey
 ) -> HandedDownReply:
-    """Keep a plan or a model that the plant hands down. Nothing is planned and nothing moves by it."""
+    """Store a plan or a model pushed by the plant; nothing is planned and nothing moves."""
     # The token names the plant. The person is the plant's word alone, as the cell need not know them.
     plant = asker.tablet_name or asker.name
-    current_request().reason = f"handed down by {wanted.person}, as the plant says" if plant else None
+    current_request().reason = f"pushed by {wanted.person}, according to the plant" if plant else None
     new = NewHandedDown(plant, wanted.kind, wanted.name, wanted.person, wanted.document)
     kept = HandedDownRepository(here.database)
     number = await kept.add(new, key)
@@ -158,19 +166,19 @@ async def accept_hand_down(
 
 @router.get("", responses=LIST)
 async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
-    """List what the plant handed down, oldest first."""
+    """List the plans and models pushed by the plant, oldest first."""
     return paging.shown(await HandedDownRepository(here.database).page(paging.page), handed_down_reply)
 
 
 @router.get("/{id}", responses=READ)
 async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
-    """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
+    """Return a pushed plan or model; a plan is the body of `POST /sessions`."""
     return handed_down_reply(await HandedDownRepository(here.database).get(id))
 
 
 @router.get("/{id}/check", responses=ACT)
 async def get_hand_down_check(here: Here, id: Id) -> ModelCheckReply:
-    """Show how far a handed-down model moves the tool here, and which values are far from their priors."""
+    """Return how far a pushed model shifts the tool in this cell, and its values far from their priors."""
     told = _require_model(await HandedDownRepository(here.database).get(id))
     return model_check_reply(await asyncio.to_thread(fitting_model, told.document, here.cell))
 
@@ -179,10 +187,11 @@ async def get_hand_down_check(here: Here, id: Id) -> ModelCheckReply:
 async def accept_handed_down_model(
     here: Here, id: Id, wanted: AcceptanceRequest, response: Response
 ) -> ModelReply:
-    """Accept a model that was handed down as one of this cell, of the same robot and with the same tool.
+    """Accept a pushed model as a model of this cell; the robot and tool must be the same.
 
-    It then corrects programs and is validated as one that was identified here. Once is enough (409). One
-    that moves the tool beyond the cell's limit needs the shift confirmed (409 says which).
+    It can then correct programs and be validated like a model identified here. It can be accepted once (409).
+    If it shifts the tool by more than the limit of the cell, the shift must be confirmed (409 gives the
+    shift).
     """
     kept = HandedDownRepository(here.database)
     told = _require_model(await kept.get(id))
@@ -194,7 +203,7 @@ async def accept_handed_down_model(
 
 @router.post("/{id}/uses", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownReply:
-    """Put on record that somebody used what was handed down, and for what; the plant sees it as well."""
+    """Record that a person used a pushed plan or model, and what for; the plant sees the record as well."""
     kept = HandedDownRepository(here.database)
     await kept.note_use(id, wanted.person, wanted.note)
     return handed_down_reply(await kept.get(id))

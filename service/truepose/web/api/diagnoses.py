@@ -33,14 +33,14 @@ from truepose.web.schemas import (
 StartEffects = Annotated[
     EffectNames | None,
     Field(
-        description="Effects of the model that the diagnosis starts from; none of them is a finding. "
-        "Null: base, tool as far as unknown, geometry and compliance.",
+        description="Effects of the start model; none of them is reported as a finding. Null: base, tool "
+        "as far as unknown, geometry and compliance.",
     ),
 ]
 MeasuredAt = Annotated[
     str | None,
     Field(
-        description="When the readings were taken: a day, or UTC in ISO 8601. Null: nobody said.",
+        description="Time of the readings: a date, or UTC in ISO 8601. Null if not stated.",
         examples=["2026-03-03"],
     ),
 ]
@@ -55,24 +55,26 @@ class DiagnosisRequest(Request):
     effects: StartEffects = None
     measured_on: Day | None = Field(
         None,
-        description="Day of the readings, by which diagnoses are compared over time. Null: the day that the "
-        "campaign states, or when the session's last reading was stored; else it is not known.",
+        description="Date of the readings, used to compare diagnoses over time. Null: the date stated in "
+        "the campaign, or the time of the session's last reading; otherwise unknown.",
     )
 
 
 class SessionDiagnosisRequest(Request):
-    """What to diagnose a session with, beside its own readings."""
+    """Additional input for the diagnosis of a session."""
 
     model_config = example({"validation_session_id": 2})
 
     validation_session_id: Number | None = Field(
-        None, description="Its readings judge the gain and nothing else.", examples=[2]
+        None,
+        description="Validation session; its readings are used only to judge the improvement.",
+        examples=[2],
     )
     effects: StartEffects = None
 
 
 class StoredDiagnosis(Reply):
-    """Whose diagnosis it is, and when it was made."""
+    """Source and time of a stored diagnosis."""
 
     id: RecordId
     recorded_at: RecordedAt
@@ -80,21 +82,23 @@ class StoredDiagnosis(Reply):
     simulated: Simulated
     job_id: RecordId
     campaign_id: RecordId
-    session_id: RecordId | None = Field(description="Whose readings it is of; null: of an upload.")
-    model_id: RecordId | None = Field(description="Null where nothing could be fitted.")
+    session_id: RecordId | None = Field(description="Session that provided the readings; null for an upload.")
+    model_id: RecordId | None = Field(
+        description="Number of the extended model; null if nothing could be fitted."
+    )
     robot_serial_number: Annotated[str | None, null_if_empty("robot_serial_number")] = Field(
-        description="As the cell file said.", examples=["120-500123"]
+        description="Serial number of the robot, from the cell file.", examples=["120-500123"]
     )
 
 
 class DiagnosisReply(StoredDiagnosis):
-    """A stored diagnosis; its extended model is a model like any other."""
+    """A stored diagnosis; its extended model can be used like any other model."""
 
     document: Annotated[DiagnosisDocument, FieldSource("diagnosis")]
 
 
 class FindingReply(Reply):
-    """A finding in one line."""
+    """Summary of a finding."""
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
@@ -105,7 +109,7 @@ class FindingReply(Reply):
 
 
 class DiagnosisSummaryReply(StoredDiagnosis):
-    """A stored diagnosis in a list: its first line and its findings."""
+    """Summary of a stored diagnosis for lists: its verdict and findings."""
 
     robot: Annotated[str, FieldSource("diagnosis.robot")] = Field(examples=["ABB IRB 120"])
     verdict: Annotated[Verdict, FieldSource("diagnosis.verdict")]
@@ -114,12 +118,13 @@ class DiagnosisSummaryReply(StoredDiagnosis):
 
 
 class SignReply(Reply):
-    """What one diagnosis says of a cause; numbers are null where it did not find it."""
+    """Result of one diagnosis for a cause; numbers are null if the cause was not found."""
 
     diagnosis_id: RecordId
     measured_at: MeasuredAt
     sighting: Sighting = Field(
-        description="`not_visible`: these readings could not show it; `part_of_start`: the model had it."
+        description="`not_visible`: the readings could not show the cause; `part_of_start`: the start "
+        "model included it."
     )
     amplitude: Quantity = Field(examples=[0.021])
     amplitude_standard_uncertainty: Annotated[Quantity, FieldSource("standard_uncertainty")] = Field(
@@ -129,21 +134,27 @@ class SignReply(Reply):
 
 
 class ChangeReply(Reply):
-    """How far an amplitude changed between two diagnoses that found it, in its unit."""
+    """Change of an amplitude between two diagnoses that found the cause, in its unit."""
 
     from_diagnosis_id: Annotated[RecordId, FieldSource("from_id")]
     to_diagnosis_id: Annotated[RecordId, FieldSource("to_id")]
-    difference: Quantity = Field(description="Later less earlier.", examples=[0.012])
+    difference: Quantity = Field(description="Later minus earlier amplitude.", examples=[0.012])
     standard_uncertainty: Quantity = Field(examples=[0.004])
-    p_value: float | None = Field(description="Corrected for all changes of the reply; null: not tested.")
-    significant: bool = Field(description="The change is more than noise explains (level 5 % in all).")
+    p_value: float | None = Field(
+        description="p-value, corrected for all changes in the reply; null if not tested."
+    )
+    significant: bool = Field(
+        description="True if the change exceeds the noise (5 % level over all changes)."
+    )
     sentence: str
 
 
 class VariantReply(Reply):
-    """Which of several ways a cause acts in."""
+    """Variant of a cause that can act in several ways."""
 
-    name: str = Field(description="`order` of a wave, `source joint` of a coupling.", examples=["order"])
+    name: str = Field(
+        description="`order` of a joint harmonic or `source joint` of a coupling.", examples=["order"]
+    )
     value: float = Field(examples=[2.0])
 
 
@@ -152,15 +163,19 @@ class CauseReply(Reply):
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
-    variant: VariantReply | None = Field(description="Null where there is but one way.")
+    variant: VariantReply | None = Field(description="Variant of the cause; null if there is only one.")
     unit: str = Field(examples=["deg"])
     signs: list[SignReply]
-    changes: list[ChangeReply] = Field(description="Between consecutive diagnoses that found it.")
-    overall: ChangeReply | None = Field(description="From the first to the last, where there are more.")
+    changes: list[ChangeReply] = Field(
+        description="Changes between consecutive diagnoses that found the cause."
+    )
+    overall: ChangeReply | None = Field(
+        description="Change from the first to the last diagnosis; null if there are only two or fewer."
+    )
 
 
 class AlarmReply(Reply):
-    """A cause that is larger than before, beyond chance."""
+    """A cause that has grown significantly."""
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
@@ -169,19 +184,21 @@ class AlarmReply(Reply):
 
 
 class ComparisonReply(Reply):
-    """How the causes on one robot changed over time."""
+    """Changes of the error sources of one robot over time."""
 
     robot: str = Field(examples=["ABB IRB 120"])
     diagnoses: list[DiagnosisSummaryReply] = Field(
-        description="What was compared, oldest readings first, undated ones last; of those of the same "
-        "readings the latest."
+        description="Diagnoses compared, oldest readings first, undated ones last; for identical readings, "
+        "only the latest."
     )
     undated_ids: list[int] = Field(
-        description="Diagnoses of which nobody said when their readings were taken: last of the list, and "
-        "nothing is subtracted from them."
+        description="Diagnoses without a date of the readings; they are last in the list, and no "
+        "differences are computed from them."
     )
     causes: list[CauseReply]
-    alarms: list[AlarmReply] = Field(description="What a service visit looks at first; empty: nothing grew.")
+    alarms: list[AlarmReply] = Field(
+        description="Causes to check first during service; empty if none has grown."
+    )
 
 
 def comparison_reply(
@@ -223,14 +240,16 @@ def _alarm(alarm: Alarm) -> AlarmReply:
 router = resource(tags=["diagnoses"])
 RobotName = Annotated[
     str,
-    Query(min_length=1, max_length=200, description="As its diagnoses name it.", examples=["ABB IRB 120"]),
+    Query(
+        min_length=1, max_length=200, description="Robot name, as in its diagnoses.", examples=["ABB IRB 120"]
+    ),
 ]
 SerialNumber = Annotated[
     str | None,
     Query(
         min_length=1,
         max_length=200,
-        description="Only the robot of this serial number; needed where there are several of that name.",
+        description="Serial number of the robot; required if several robots have this name.",
         examples=["120-500123"],
     ),
 ]
@@ -240,7 +259,7 @@ SerialNumber = Annotated[
 async def diagnose_campaign(
     here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
-    """Diagnose a campaign in a worker process; the job's result is the diagnosis."""
+    """Diagnose a campaign in a worker process; the result of the job is the diagnosis."""
     effects = _named(wanted.effects)
     number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key, sender)
     return await queued_job(here, number, response)
@@ -250,9 +269,9 @@ async def diagnose_campaign(
 async def diagnose_session(
     here: Here, id: Id, wanted: SessionDiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
-    """Diagnose what a calibration session has measured so far, be it finished, paused or running.
+    """Diagnose the readings of a calibration session so far, whether finished, paused or running.
 
-    Its readings are kept as a campaign; after more of them a further request makes a further diagnosis.
+    The readings are stored as a campaign; after further readings, a new request makes a new diagnosis.
     """
     # Before anything is kept: an effect that nobody knows must not leave a campaign behind.
     effects = _named(wanted.effects)
@@ -266,7 +285,7 @@ async def diagnose_session(
 
 @router.get("/diagnoses", responses=LIST)
 async def list_diagnoses(here: Here, paging: Paged) -> list[DiagnosisSummaryReply]:
-    """List diagnoses, oldest first, each with its first line and its findings."""
+    """List diagnoses, oldest first, each with its verdict and findings."""
     return paging.shown(await here.diagnoses.page(paging.page), DiagnosisSummaryReply.of)
 
 
@@ -274,14 +293,14 @@ async def list_diagnoses(here: Here, paging: Paged) -> list[DiagnosisSummaryRepl
 async def compare_diagnoses(
     here: Here, robot: RobotName, serial_number: SerialNumber = None
 ) -> ComparisonReply:
-    """Say how the causes on one robot changed: amplitudes over time, and which change is more than noise."""
+    """Compare the error sources of one robot over time: amplitudes, and which changes exceed the noise."""
     records, causes = compare_over_time(robot, await here.diagnoses.of_robot(robot, serial_number))
     return comparison_reply(robot, records, causes)
 
 
 @router.get("/diagnoses/{id}", responses=READ)
 async def get_diagnosis(here: Here, id: Id) -> DiagnosisReply:
-    """Show a diagnosis: the document that `truepose diagnose --json` prints."""
+    """Return a diagnosis, as printed by `truepose diagnose --json`."""
     return DiagnosisReply.of(await here.diagnoses.get(id))
 
 

@@ -44,7 +44,7 @@ LengthUnit = Literal["mm", "m", "cm", "um", "in"]
 
 
 class AnglesRequest(Request):
-    """A column of angles of a joint."""
+    """A column of joint angles."""
 
     quantity: Literal["joint"]
     number: Joint
@@ -52,23 +52,25 @@ class AnglesRequest(Request):
 
 
 class CoordinatesRequest(Request):
-    """A column of a coordinate of measured points."""
+    """A column of coordinates of measured points."""
 
     quantity: Literal["position"]
-    number: int = Field(ge=1, le=3, description="Of the axis: x, y, z.")
+    number: int = Field(ge=1, le=3, description="Number of the axis: 1 for x, 2 for y, 3 for z.")
     unit: LengthUnit = "mm"
-    point: int = Field(0, ge=0, le=_MOST_POINTS, description="Which point of its row; 0: there is one.")
+    point: int = Field(
+        0, ge=0, le=_MOST_POINTS, description="Number of the point in its row; 0 if there is only one."
+    )
 
 
 class LengthsRequest(Request):
-    """A column of lengths, or of how uncertain points are."""
+    """A column of lengths, or of uncertainties of points."""
 
     quantity: Literal["length", "uncertainty", "uncertainty_along", "uncertainty_across"]
     unit: LengthUnit = "mm"
 
 
 class TorquesRequest(Request):
-    """A column of torques of a joint."""
+    """A column of joint torques."""
 
     quantity: Literal["torque"]
     number: Joint
@@ -76,14 +78,14 @@ class TorquesRequest(Request):
 
 
 class DirectionsRequest(Request):
-    """A column that says from which side a joint came."""
+    """A column of approach directions of a joint."""
 
     quantity: Literal["direction"]
     number: Joint
 
 
 class TimesRequest(Request):
-    """A column of moments."""
+    """A column of times."""
 
     quantity: Literal["time"]
     unit: Literal["s", "ms", "us", "min", "h"] = "s"
@@ -97,7 +99,7 @@ class TemperaturesRequest(Request):
 
 
 class LabelsRequest(Request):
-    """A column of numbers without a unit, of labels, or of nothing that is used."""
+    """A column of numbers without a unit, of labels, or of unused values."""
 
     quantity: Literal[
         "nest", "config", "attachment", "group", "repeat_of", "placement", "init", "base_point", "tool_point",
@@ -128,16 +130,18 @@ Lines = Annotated[dict[NumberOf, Line | None], Field(max_length=_MOST_LINES, jso
 
 
 class FileRequest(Request):
-    """What is said of a file; what is not named stays as it was, null takes it back."""
+    """Settings for a file; omitted keys keep their value, null resets it."""
 
     role: Role | None = Field(None, examples=["calibration"])
-    columns: Columns | None = Field(None, description="By the number of the column, from 0.")
-    lines: Lines | None = Field(None, description="Corrected by hand, by their number from 1.")
+    columns: Columns | None = Field(
+        None, description="Meaning of each column, by column number starting at 0."
+    )
+    lines: Lines | None = Field(None, description="Lines corrected by hand, by line number starting at 1.")
     left_out: list[LineNumber] | None = Field(None, max_length=_MOST_LINES)
 
 
 class ChangeRequest(Request):
-    """A change of convention that was offered, and is accepted."""
+    """A suggested change of convention that is accepted."""
 
     kind: ChangeKind
     first: int = Field(0, ge=0, le=_MOST_POINTS)
@@ -146,39 +150,45 @@ class ChangeRequest(Request):
 
 
 class DraftRequest(Request):
-    """What is said of files that were brought; what is not named stays as it was, null takes it back."""
+    """Settings for imported files; omitted keys keep their value, null resets it."""
 
     model_config = example({"measured_on": "2026-03-03", "robot": "abb-irb-120", "u_mm": 0.02})
 
     files: dict[Annotated[str, Field(max_length=400)], FileRequest | None] | None = Field(
         None, max_length=200
     )
-    robot: Words | None = Field(None, description="A known one, or `file`: the one that a file describes.")
+    robot: Words | None = Field(
+        None, description="Name of a known robot, or `file` for the robot described in a file."
+    )
     changes: list[ChangeRequest] | None = Field(None, max_length=8)
     u_mm: float | None = Field(
-        None, ge=1e-6, le=100, description="Standard uncertainty per axis of all readings."
+        None, ge=1e-6, le=100, description="Standard uncertainty of all readings, per axis."
     )
-    measured_on: Day | None = Field(None, description="Day of the readings, where they were taken.")
+    measured_on: Day | None = Field(None, description="Date of the readings, in local time.")
     robot_serial_number: Words | None = Field(None, examples=["120-500123"])
     instrument_serial_number: Words | None = Field(None, examples=["391234"])
     measured_zone: Words | None = Field(None, examples=["Europe/Paris"])
     measured_by: Words | None = None
     instrument: Words | None = None
-    certificate: Words | None = Field(None, description="Of the instrument.")
+    certificate: Words | None = Field(None, description="Certificate of the instrument.")
 
 
 class NewDraftRequest(Request):
-    """How a draft begins."""
+    """Initial content of a draft."""
 
-    example: bool = Field(False, description="With an example: readings of a simulated robot with one cause.")
+    example: bool = Field(
+        False, description="True: start with an example, simulated readings of a robot with one error source."
+    )
 
 
 class MakeRequest(Request):
-    """What the campaign is called."""
+    """Name of the campaign to create."""
 
     model_config = example({"name": "left arm"})
 
-    name: Words | None = Field(None, description="Else what the files share.")
+    name: Words | None = Field(
+        None, description="Name of the campaign; by default, the common part of the file names."
+    )
 
 
 class DraftFileReply(Reply):
@@ -190,21 +200,23 @@ class DraftFileReply(Reply):
 
 
 class DraftReply(Reply):
-    """Files that were brought, and what was said of them."""
+    """Imported files and their settings."""
 
     id: RecordId
     created_at: RecordedAt
     changed_at: RecordedAt
     expires_at: RecordedAt
-    revision: int = Field(ge=0, description="Of files and choices.")
+    revision: int = Field(ge=0, description="Revision of files and settings.")
     files: list[DraftFileReply]
-    choices: dict[str, Any] = Field(description="As `PATCH` takes them.")
-    campaign_id: int | None = Field(description="Number of the campaign that was made of it; null: none yet.")
-    job_ids: list[int] = Field(description="Its identification, then its diagnosis.")
+    choices: dict[str, Any] = Field(description="Settings, as accepted by `PATCH`.")
+    campaign_id: int | None = Field(
+        description="Number of the campaign created from the draft; null if there is none yet."
+    )
+    job_ids: list[int] = Field(description="Jobs of the identification and the diagnosis, in this order.")
 
 
 class ColumnReply(Reply):
-    """A column and what it is taken for."""
+    """A column and its detected meaning."""
 
     heading: str
     quantity: Annotated[str, FieldSource("meaning.quantity")]
@@ -212,15 +224,17 @@ class ColumnReply(Reply):
     unit: Annotated[str, FieldSource("meaning.unit")]
     point: Annotated[int, FieldSource("meaning.point")]
     column: Annotated[str, FieldSource("meaning.column")] = Field(
-        description="Its name in the file format; empty: it is not read."
+        description="Name in the file format; empty if the column is not used."
     )
-    certainty: str = Field(description="`certain`, `likely`, `guess`; `said`: somebody chose it.")
+    certainty: str = Field(
+        description="`certain`, `likely` or `guess` if detected; `said` if chosen by a person."
+    )
     reason: Spoken
     shown: list[str]
 
 
 class SeenFileReply(Reply):
-    """A file and what it is taken for."""
+    """A file and its detected content."""
 
     name: str
     kind: Kind
@@ -232,7 +246,7 @@ class SeenFileReply(Reply):
 
 
 class OfferedReply(Reply):
-    """A change of convention that would make the robot fit; accepted by sending it back in `changes`."""
+    """A suggested change of convention that would make the robot fit; to accept it, send it in `changes`."""
 
     kind: str
     first: int
@@ -242,20 +256,20 @@ class OfferedReply(Reply):
 
 
 class SeenRobotReply(Reply):
-    """The robot that the readings are held against."""
+    """The robot to which the readings are compared."""
 
     key: str
     name: str
     reason: Spoken
     fits: bool
     typical_mm: Quantity = Field(
-        description="What the nominal robot misses the readings by; null: not looked at."
+        description="Typical error of the nominal robot at the readings; null if not computed."
     )
     offered: list[OfferedReply]
 
 
 class LineReply(Reply):
-    """A line around a fault."""
+    """A line near a fault."""
 
     number: int
     cells: list[str]
@@ -267,20 +281,20 @@ class DraftFaultReply(Reply):
 
     file: str
     line: int | None
-    column: int | None = Field(description="From 0.")
+    column: int | None = Field(description="Column number, starting at 0.")
     sentence: Spoken
     around: list[LineReply]
 
 
 class QuestionReply(Reply):
-    """Something that no file says and nobody can guess."""
+    """A question that the files do not answer."""
 
     about: Asked
     sentence: Spoken
 
 
 class UnderstoodReply(Reply):
-    """What is understood of the files, before anything is made of them."""
+    """Interpretation of the files, before a campaign is created."""
 
     ready: bool
     readings: int
@@ -288,19 +302,28 @@ class UnderstoodReply(Reply):
     robot: SeenRobotReply | None
     questions: list[QuestionReply]
     fault: DraftFaultReply | None
-    notes: list[Spoken] = Field(description="What was done without being asked.")
-    u_mm: Quantity = Field(description="From places measured again, where nobody says it; null: none.")
-    measured_on: str | None = Field(description="As somebody said, or the files themselves.")
-    robot_serial_number: str = Field(description="The same; empty: nobody said it.", examples=["120-500123"])
-    instrument_serial_number: str = Field(description="The same; empty: nobody said it.", examples=["391234"])
-    simulated: bool = Field(description="As the files say of themselves.")
+    notes: list[Spoken] = Field(description="Assumptions made without asking.")
+    u_mm: Quantity = Field(
+        description="Standard uncertainty per axis, estimated from repeated positions if not stated; null "
+        "if there are none."
+    )
+    measured_on: str | None = Field(description="Date of the readings, from the settings or the files.")
+    robot_serial_number: str = Field(
+        description="Serial number of the robot, from the settings or the files; empty if not stated.",
+        examples=["120-500123"],
+    )
+    instrument_serial_number: str = Field(
+        description="Serial number of the instrument, from the settings or the files; empty if not stated.",
+        examples=["391234"],
+    )
+    simulated: bool = Field(description="True if the files state that they are simulated.")
 
 
 router = resource("/drafts", tags=["drafts"])
 _RECEIVING_S: Final = 300.0  # 64 MB at 2 Mbit/s
 _BODY: Final = {
     "requestBody": {
-        "description": "The bytes of the file; without any it is an empty one, as folders have them.",
+        "description": "Content of the file; without a body, the file is empty.",
         "required": False,
         "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
     }
@@ -311,7 +334,7 @@ NameOfFile = Annotated[
         min_length=1,
         max_length=400,
         pattern=VISIBLE,
-        description="Its name, with the folders that it came in.",
+        description="Name of the file, including its folders.",
         examples=["left arm/points.csv"],
     ),
 ]
@@ -320,7 +343,10 @@ FileNumber = Annotated[int, Query(ge=1, le=NUMBER_LIMIT, description="Number of 
 
 @router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
 async def start_draft(here: Here, response: Response, wanted: NewDraftRequest) -> DraftReply:
-    """Begin with nothing, or with the example; files come next. It ends 14 days after its last change."""
+    """Start an empty draft or one with the example; files are added next.
+
+    A draft expires 14 days after its last change.
+    """
     draft = await (here.draft_desk.create_example() if wanted.example else here.draft_desk.create())
     response.headers["Location"] = f"/api/v1/drafts/{draft.id}"
     return DraftReply.of(draft)
@@ -328,19 +354,19 @@ async def start_draft(here: Here, response: Response, wanted: NewDraftRequest) -
 
 @router.get("", responses=LIST)
 async def list_drafts(here: Here, paging: Counted) -> list[DraftReply]:
-    """List drafts, the latest first; there are twenty at most."""
+    """List drafts, latest first; there are 20 at most."""
     return paging.of(await here.draft_desk.all(), DraftReply.of)
 
 
 @router.get("/{id}", responses=READ)
 async def get_draft(here: Here, id: Id) -> DraftReply:
-    """Show the files of a draft, and what was said of them."""
+    """Return the files of a draft and their settings."""
     return DraftReply.of(await here.draft_desk.get(id))
 
 
 @router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=READ)
 async def remove_draft(here: Here, id: Id) -> None:
-    """Throw a draft away; what was made of it stays."""
+    """Delete a draft; the campaign created from it is kept."""
     await here.draft_desk.remove(id)
 
 
@@ -351,38 +377,39 @@ async def remove_draft(here: Here, id: Id) -> None:
     openapi_extra=_BODY,
 )
 async def add_draft_file(here: Here, request: HttpRequest, id: Id, name: NameOfFile) -> DraftReply:
-    """Add a file as it is: a table of any program, a folder's file, a zip, a robot's description.
+    """Add a file as it is: a table, a file of a folder, a zip, or a robot description.
 
-    One of the same name is replaced. Where the connection ends before the answer, nothing is kept of it.
+    A file of the same name is replaced. If the connection ends before the response, nothing is stored.
     """
-    async with receiving(_RECEIVING_S, "file", "nothing of it was kept"):
+    async with receiving(_RECEIVING_S, "file", "nothing was stored"):
         return DraftReply.of(await here.draft_desk.receive(id, name, request.stream()))
 
 
 @router.delete("/{id}/files", responses=READ)
 async def remove_draft_file(here: Here, id: Id, number: FileNumber) -> DraftReply:
-    """Take a file out of a draft."""
+    """Remove a file from a draft."""
     return DraftReply.of(await here.draft_desk.remove_file(id, number))
 
 
 @router.patch("/{id}", responses=problems(400, 404, 413, 415, 422, 503))
 async def correct_draft(here: Here, id: Id, said: DraftRequest) -> DraftReply:
-    """Say what columns and files are, which robot it is, when it was measured; correct single lines."""
+    """Set the meaning of columns and files, the robot and the date, or correct single lines."""
     return DraftReply.of(await here.draft_desk.say(id, said.model_dump(mode="json", exclude_unset=True)))
 
 
 @router.get("/{id}/understood", responses=READ)
 async def get_understood(here: Here, id: Id) -> UnderstoodReply:
-    """Show what each file and column is taken for, which robot fits, what is asked, and the first fault."""
+    """Return the interpretation of each file and column, the robot, open questions and the first fault."""
     draft = await here.draft_desk.get(id)
     return UnderstoodReply.of(await here.draft_desk.understood(draft))
 
 
 @router.post("/{id}/campaign", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_campaign_of_draft(here: Here, response: Response, id: Id, wanted: MakeRequest) -> DraftReply:
-    """Make a campaign of a draft, and queue its identification and diagnosis; again, answer the same.
+    """Create a campaign from a draft and queue its identification and diagnosis.
 
-    Refused (409) while something is asked or cannot be read.
+    A repeated request returns the same campaign. Refused (409) while a question is open or something cannot
+    be read.
     """
     draft = await here.draft_desk.make(id, wanted.name)
     response.headers["Location"] = f"/api/v1/campaigns/{draft.campaign_id}"

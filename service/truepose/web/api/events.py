@@ -21,12 +21,12 @@ from truepose.web.schemas import NUMBER_LIMIT
 EVENT_STREAM: Final = "text/event-stream"
 _EVENT: Final = {
     "type": "object",
-    "description": "One event of the stream.",
+    "description": "An event of the stream.",
     "required": ["data"],
     "properties": {
-        "id": {"description": "Its number, where it has one."},
-        "event": {"type": "string", "description": "Of what kind it is."},
-        "data": {"type": "string", "description": "What it says, as JSON."},
+        "id": {"description": "Number of the event, if it has one."},
+        "event": {"type": "string", "description": "Kind of event."},
+        "data": {"type": "string", "description": "Content of the event, as JSON."},
     },
 }
 
@@ -67,11 +67,12 @@ EventNumber = Annotated[
         alias="Last-Event-ID",
         ge=0,
         le=NUMBER_LIMIT,
-        description="Number of the last event seen; 0: from the first.",
+        description="Number of the last event received; 0 to start with the first event.",
     ),
 ]
 Seconds = Annotated[
-    float | None, Query(gt=0, le=86_400, description="End the stream after so long; else it stays open.")
+    float | None,
+    Query(gt=0, le=86_400, description="Time after which the stream ends; by default, it stays open."),
 ]
 
 
@@ -84,7 +85,7 @@ class _Interest:
 @router.get(
     "",
     response_class=StreamingResponse,
-    responses=sending("Events as they happen.", stream_content(_EXAMPLE)) | READ,
+    responses=sending("Events as they occur.", stream_content(_EXAMPLE)) | READ,
 )
 async def follow_events(
     here: Here,
@@ -93,10 +94,11 @@ async def follow_events(
     last_event_id: EventNumber = None,
     stop_after_s: Seconds = None,
 ) -> EventStream:
-    """Follow what happens: `session.state`, `session.reading`, `session.stops_added`, `job.state` and so on.
+    """Follow events such as `session.state`, `session.reading`, `session.stops_added` and `job.state`.
 
-    Of one session or job the stream begins with its first event, of everything with the next one, unless
-    `Last-Event-ID` says where to resume. It stays open; a comment every 15 s shows that the service lives.
+    For one session or job the stream starts with its first event, otherwise with the next event, unless
+    `Last-Event-ID` gives the event after which to resume. It stays open; a comment every 15 s shows that the
+    connection is alive.
     """
     if session_id is not None:
         await here.sessions.get(session_id)

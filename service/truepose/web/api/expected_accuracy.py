@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 router = resource()
 Number = Annotated[
     int | None,
-    Query(ge=1, le=1000, description="Configurations to measure; by default the knee of the curve says."),
+    Query(
+        ge=1, le=1000, description="Number of configurations to measure; by default, the recommended number."
+    ),
 ]
 
 
 @router.get("/cells/{name}/plan", tags=["cells"], response_model_exclude_unset=True, responses=ACT)
 async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Number = None) -> PlanDocument:
-    """Choose configurations and say what accuracy they promise, before anything moves; nothing is stored."""
+    """Choose configurations and return their predicted accuracy before anything moves; nothing is stored."""
     if name != here.cell.name:
         raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
     return await _document(here, request, here.cell, n)
@@ -33,7 +35,7 @@ async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Numbe
 
 @router.get("/sessions/{id}/promise", tags=["sessions"], response_model_exclude_unset=True, responses=ACT)
 async def get_promise_of_session(here: Here, request: Request, id: Id, n: Number = None) -> PlanDocument:
-    """Say what the configurations measured so far promise, and what further ones would gain."""
+    """Return the predicted accuracy with the configurations measured so far, and with further ones."""
     session = await measured_session(here.sessions, here.readings, id)
     return await _document(here, request, session, n)
 

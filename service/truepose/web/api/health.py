@@ -22,49 +22,53 @@ from truepose.web.schemas import Reply
 
 
 class CheckReply(Reply):
-    """One thing that was looked at."""
+    """Result of one health check."""
 
     name: str = Field(
-        description="What it was: the database, the disk, the chain of records, and so on.",
+        description="Name of the check, such as database, disk or chain.",
         examples=["disk"],
     )
-    verdict: Verdict = Field(description="`warn`: look at it soon. `bad`: look at it now.")
+    verdict: Verdict = Field(description="`warn`: needs attention soon. `bad`: needs attention now.")
     sentence: str = Field(
-        description="For whoever runs the service.", examples=["24.1 GB are free where the database lies."]
+        description="Explanation for the operator of the service.",
+        examples=["24.1 GB are free on the disk of the database."],
     )
 
 
 class IntegrityReply(Reply):
-    """Whether all records are as they were written; looked through after each start and now and then."""
+    """Integrity of all records, checked after each start and at intervals."""
 
     state: Integrity
-    share: float = Field(description="Done, of the look under way or the last one.", examples=[1.0])
+    share: float = Field(description="Completed share of the present or last check.", examples=[1.0])
 
 
 class Health(Reply):
-    """Whether the service works, and on what."""
+    """Health and versions of the service."""
 
-    status: Literal["ok", "degraded"] = Field(description="`degraded`: `fault` says what is amiss.")
-    fault: str | None = Field(description="One sentence; null where all is well.")
-    version: str = Field(description="Of the program.", examples=["0.1.0"])
-    simulated: bool = Field(description="True: no robot and no instrument take part.")
+    status: Literal["ok", "degraded"] = Field(description="`degraded`: see `fault`.")
+    fault: str | None = Field(description="Description of the fault; null if there is none.")
+    version: str = Field(description="Version of the software.", examples=["0.1.0"])
+    simulated: bool = Field(description="True if no real robot or instrument takes part.")
     people: Literal["announced", "anybody"] = Field(
-        description="Who may have the arm move: people of the cell file, or whoever gives a name."
+        description="People permitted to move the arm: those in the cell file, or anyone who gives a name."
     )
-    writable: bool = Field(description="False: the disk refuses records; sessions wait for it.")
+    writable: bool = Field(description="False if the disk refuses records; sessions wait for it.")
     integrity: IntegrityReply
-    sqlite: str = Field(description="Version of the database library.", examples=["3.53.4"])
+    sqlite: str = Field(description="Version of the SQLite library.", examples=["3.53.4"])
     sqlite_mended: bool = Field(
-        description="False: the library has the fault of the WAL reset; one writer keeps it from striking."
+        description="False if the library has the WAL-reset bug; a single writer keeps it from having an "
+        "effect."
     )
-    verdict: Verdict = Field(description="The worst of all checks.")
-    checks: list[CheckReply] = Field(description="What was looked at.")
-    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
+    verdict: Verdict = Field(description="Worst verdict of all checks.")
+    checks: list[CheckReply] = Field(description="Results of the health checks.")
+    schema_revision: str = Field(
+        alias="schema", description="Schema revision of the database.", examples=["0006"]
+    )
 
 
 router = outside_the_api(tags=["health"])
 _HTML = "text/html"
-_SIGN_IN = "Something is amiss; sign in to see what."
+_SIGN_IN = "There is a problem; sign in for details."
 
 
 @router.get(
@@ -74,11 +78,11 @@ _SIGN_IN = "Something is amiss; sign in to see what."
     responses={**problems(503), 200: {"content": {_HTML: {}}}},
 )
 async def get_health(visit: Visited) -> Health | Response:
-    """Say that the service works, on what, and what is amiss; a browser is shown a page.
+    """Return the health of the service, its versions and its faults; browsers get a page.
 
-    Strangers learn how it is, and not why. The status is 200 also where the disk refuses records: the
-    readings that wait for it are in this process, and whoever watches must not end it. It is 503 where the
-    database cannot be read, or has been silent for ten seconds.
+    Without signing in, only the state is shown, not the reason. The status is 200 even if the disk refuses
+    records: the readings that wait for it are held by this process, so monitoring must not restart it. It is
+    503 if the database cannot be read or has not responded for ten seconds.
     """
     state = await visit.here.lookout.state()
     found = checks(state)
@@ -124,7 +128,7 @@ def _reply(here: Context, found: list[Check]) -> Health:
 
 @router.get("/metrics", response_class=PlainTextResponse)
 async def get_metrics(request: Request, here: Here) -> Response:
-    """Give every figure of the service in the text format of Prometheus."""
+    """Return the metrics of the service in the Prometheus text format."""
     program = {"version": here.version, "schema": here.database.schema}
     text = request.app.state.metrics.text(await here.lookout.state(), program)
     return Response(text, media_type=MEDIA_TYPE)

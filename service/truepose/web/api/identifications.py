@@ -30,13 +30,13 @@ class IdentificationRequest(Request):
     campaign_id: Number
     effects: EffectNames | None = Field(
         None,
-        description="Names of effects; null: base, tool as far as unknown, geometry, and compliance "
-        "where the campaign gives masses or torques.",
+        description="Names of effects. Null: base, tool as far as unknown, geometry, and compliance if the "
+        "campaign states masses or torques.",
     )
 
 
 class ValidationRequest(Request):
-    """A model to judge on the validation readings of a campaign."""
+    """A model to validate on the validation readings of a campaign."""
 
     model_config = example({"model_id": 1, "campaign_id": 1, "limit_mm": 0.1})
 
@@ -46,13 +46,13 @@ class ValidationRequest(Request):
         None,
         gt=0,
         le=1000,
-        description="Largest error that passes; null: the mean error must be below the nominal model's "
-        "and in keeping with what the model claims.",
+        description="Largest permissible error. Null: the mean error must be below that of the nominal "
+        "model and consistent with the accuracy stated by the model.",
     )
 
 
 class IdentificationReply(Reply):
-    """A stored identification; `model_id` is null where nothing could be identified."""
+    """A stored identification; `model_id` is null if nothing could be identified."""
 
     id: RecordId
     recorded_at: RecordedAt
@@ -88,7 +88,7 @@ router = resource("/identifications", tags=["identifications"])
 async def identify_campaign(
     here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
-    """Identify a campaign in a worker process; the job's result is the identification."""
+    """Identify a campaign in a worker process; the result of the job is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
     number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender)
     return await queued_job(here, number, response)
@@ -102,7 +102,7 @@ async def list_identifications(here: Here, paging: Paged) -> list[Identification
 
 @router.get("/{id}", response_model_exclude_unset=True, responses=READ)
 async def get_identification(here: Here, id: Id) -> IdentificationReply:
-    """Show an identification: the document that `truepose identify --json` prints."""
+    """Return an identification, as printed by `truepose identify --json`."""
     return identification_reply(await here.results.identification(id))
 
 
@@ -113,7 +113,7 @@ validations_router = resource("/validations", tags=["validations"])
 async def validate_model(
     here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
-    """Judge a model in a worker process; the job's result is the validation."""
+    """Validate a model in a worker process; the result of the job is the validation."""
     number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key, sender)
     return await queued_job(here, number, response)
 
@@ -126,5 +126,5 @@ async def list_validations(here: Here, paging: Paged) -> list[ValidationReply]:
 
 @validations_router.get("/{id}", responses=READ)
 async def get_validation(here: Here, id: Id) -> ValidationReply:
-    """Show a validation: the document that `truepose validate --json` prints."""
+    """Return a validation, as printed by `truepose validate --json`."""
     return ValidationReply.of(await here.results.validation(id))

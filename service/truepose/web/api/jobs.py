@@ -18,41 +18,45 @@ _WAITS: Final = message("job.kept_in_memory")
 
 
 class JobRequestReply(Reply):
-    """What the job was asked; each kind has its own part of these."""
+    """Parameters of the job; each kind of job uses some of them."""
 
     campaign_id: int | None = None
     model_id: int | None = None
-    effects: list[str] | None = Field(None, description="Null: the usual ones.")
-    measured_on: str | None = Field(None, description="Day of the readings, where somebody said it.")
+    effects: list[str] | None = Field(None, description="Names of effects; null for the default effects.")
+    measured_on: str | None = Field(None, description="Date of the readings, if stated.")
     limit_mm: float | None = None
     name: str | None = None
     role: str | None = None
     configurations: int | None = None
-    poses: int | None = Field(None, description="Of the plan of a ballbar session.")
-    placements: int | None = Field(None, description="Of its base fixture.")
+    poses: int | None = Field(None, description="Number of poses, for the plan of a ballbar session.")
+    placements: int | None = Field(
+        None, description="Number of base fixture placements, for the plan of a ballbar session."
+    )
     seed: int | None = None
     work_count: int | None = Field(
         None,
-        description="How much there is to do: readings, configurations, poses, or kB of a file. From it, and "
-        "from how long earlier jobs took, the time is foreseen.",
+        description="Amount of work: readings, configurations, poses, or kB of a file. The duration is "
+        "estimated from it and from earlier jobs.",
     )
-    proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
-    repeats_session_id: int | None = Field(None, description="Whose plan it takes over.")
-    method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`, `sphere`.")
-    test: str | None = Field(None, description="Of the plan of ISO 9283: `poses`, `directions`, `drift`.")
-    file: str | None = Field(None, description="Name of what is corrected.")
-    beside: list[str] | None = Field(None, description="Names of the files beside it.")
+    proves_model_id: int | None = Field(None, description="Model to prove, for the plan of a proof move.")
+    repeats_session_id: int | None = Field(None, description="Session whose plan is repeated.")
+    method: str | None = Field(None, description="Test to plan: `circles`, `iso9283` or `sphere`.")
+    test: str | None = Field(None, description="ISO 9283 test to plan: `poses`, `directions` or `drift`.")
+    file: str | None = Field(None, description="Name of the file to correct.")
+    beside: list[str] | None = Field(None, description="Names of the accompanying files.")
     frame: str | None = None
     define: list[str] | None = None
     branch: str | None = None
     angles: str | None = None
-    coupled: bool | None = Field(None, description="Whether joint 3 of FANUC counts from the horizontal.")
-    as_written: bool | None = Field(None, description="Whether targets are meant as they are written.")
-    joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
+    coupled: bool | None = Field(None, description="True if FANUC joint 3 is measured from the horizontal.")
+    as_written: bool | None = Field(None, description="True if the targets are used as written.")
+    joints: list[int] | None = Field(
+        None, description="Joints to turn; empty for those of the standard test."
+    )
 
 
 class JobReply(Reply):
-    """A job and where it stands."""
+    """A job and its state."""
 
     model_config = example({
         "id": 7,
@@ -71,31 +75,39 @@ class JobReply(Reply):
     recorded_at: RecordedAt
     kind: JobKind
     request: JobRequestReply
-    state: JobState = Field(description="`interrupted`: the service ended before the job did.")
+    state: JobState = Field(
+        description="State of the job; `interrupted`: the service stopped before the job ended."
+    )
     state_since: RecordedAt
-    message: Said = Field(description="What it is doing, how it ended, or why it failed.")
+    message: Said = Field(description="Present activity, result, or reason for the failure.")
     fraction: float = Field(
         ge=0,
         le=1,
-        description="How far it is: 0 to 1, by what the worker tells and by the time that was foreseen.",
+        description="Progress from 0 to 1, from the worker's reports and the estimated duration.",
         examples=[0.4],
     )
     remaining_s: float | None = Field(
         None,
-        description="How long it still runs, learnt from earlier jobs; null: it does not run.",
+        description="Estimated remaining time, from earlier jobs; null if the job is not running.",
         examples=[12.5],
     )
     ahead_count: int | None = Field(
         None,
-        description="How many jobs are given a worker before this one; null: it has ended.",
+        description="Number of jobs that get a worker before this one; null once it has ended.",
         examples=[0],
     )
-    result_id: int | None = Field(description="Number of what it made, once it succeeded.")
+    result_id: int | None = Field(
+        description="Number of the record created by the job; null until it has succeeded."
+    )
     result_url: str | None = Field(examples=["/api/v1/identifications/3"])
     code: str | None = Field(
-        None, description="Of what it failed with, to be quoted; null: it did not.", examples=["TP-4002"]
+        None,
+        description="Error code of the failure, to quote in support requests; null if it did not fail.",
+        examples=["TP-4002"],
     )
-    code_url: str | None = Field(None, description="The page of the code.", examples=["/errors/TP-4002"])
+    code_url: str | None = Field(
+        None, description="Page that explains the error code.", examples=["/errors/TP-4002"]
+    )
 
 
 def job_reply(record: JobRecord, foreseen: JobForecast | None = None) -> JobReply:
@@ -127,13 +139,13 @@ async def list_jobs(here: Here, paging: Paged) -> list[JobReply]:
 
 @router.get("/{id}", responses=READ)
 async def get_job(here: Here, id: Id) -> JobReply:
-    """Show a job, how far it is, and what it made."""
+    """Return a job, its progress and its result."""
     return _shown(here, await here.jobs.get(id))
 
 
 @router.post("/{id}/cancel", responses=ACT)
 async def cancel_job(here: Here, id: Id) -> JobReply:
-    """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
+    """Cancel a job and its worker process at once; nothing is stored. Refused if the job has ended."""
     await here.job_desk.cancel(id)
     return _shown(here, await here.jobs.get(id))
 

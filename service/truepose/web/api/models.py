@@ -17,22 +17,30 @@ from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
 
 
 class ModelReply(Reply):
-    """An identified model; its file holds all of it, for `truepose predict` and `correct`."""
+    """An identified model; its file holds the complete model for `truepose predict` and `correct`."""
 
     id: RecordId
     recorded_at: RecordedAt
-    identification_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
-    diagnosis_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
-    handed_down_id: RecordId | None = Field(
-        description="Under which number a plant handed it down; null: it was made here."
+    identification_id: RecordId | None = Field(
+        description="Identification that created the model; null if there is none."
     )
-    accepted_by: str | None = Field(description="Who accepted it; null: it was made here.")
+    diagnosis_id: RecordId | None = Field(
+        description="Diagnosis that created the model; null if there is none."
+    )
+    handed_down_id: RecordId | None = Field(
+        description="Number under which a plant pushed the model; null if it was created here."
+    )
+    accepted_by: str | None = Field(description="Person who accepted the model; null if it was created here.")
     robot: str = Field(examples=["ABB IRB 120"])
     simulated: Simulated
     effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
     parameters: list[ParameterDocument]
-    repeatability_mm: Quantity = Field(description="Of the arm, per axis.", examples=[0.0035])
-    discrepancy_mm: Quantity = Field(description="What held-out residuals show beyond noise, per axis.")
+    repeatability_mm: Quantity = Field(
+        description="Repeatability of the arm (standard deviation per axis).", examples=[0.0035]
+    )
+    discrepancy_mm: Quantity = Field(
+        description="Model discrepancy: held-out residuals beyond noise, per axis."
+    )
     program_version: str
     file_url: str = Field(examples=["/api/v1/models/3/file"])
 
@@ -62,7 +70,7 @@ async def list_models(here: Here, paging: Paged) -> list[ModelReply]:
 
 @router.get("/{id}", responses=READ)
 async def get_model(here: Here, id: Id) -> ModelReply:
-    """Show a model: its parameters with their uncertainties."""
+    """Return a model: its parameters and their uncertainties."""
     return model_reply(await here.results.model(id))
 
 
@@ -72,7 +80,7 @@ async def get_model(here: Here, id: Id) -> ModelReply:
     responses=sending("The model file.", {"application/json": _FILE}) | READ,
 )
 async def download_model(here: Here, id: Id) -> Response:
-    """Download the model file, which `truepose predict`, `validate` and `correct` take."""
+    """Download the model file for `truepose predict`, `validate` and `correct`."""
     record = await here.results.model(id)
     saved_as = {"Content-Disposition": f'attachment; filename="model-{id}.json"'}
     return Response(model_text(record.model), media_type="application/json", headers=saved_as)
@@ -81,17 +89,17 @@ async def download_model(here: Here, id: Id) -> Response:
 @router.get(
     "/{id}/exports/{form}",
     response_class=Response,
-    responses=sending("The file; what it does not hold stands in it.", _EXPORTS) | ACT,
+    responses=sending("The exported file; it lists what it does not contain.", _EXPORTS) | ACT,
 )
 async def download_export(
     here: Here,
     id: Id,
     form: Format,
     fitted: Annotated[
-        bool, Query(description="Fit the table to the full model over the measured zone.")
+        bool, Query(description="True: fit the table to the full model over the measured zone.")
     ] = False,
 ) -> Response:
-    """Download a model for another program, as `truepose export` writes it."""
+    """Export a model for another program, as `truepose export` does."""
     record = await here.results.model(id)
     exported = await asyncio.to_thread(export, record.model, form, fitted=fitted)
     media, name = _MEDIA[form]

@@ -24,7 +24,7 @@ RoleName = Annotated[Role, Field(strict=False)]
 
 
 class EnterRequest(Request):
-    """Somebody who shall be let in."""
+    """A person to add."""
 
     model_config = example({"name": "Grace Hopper", "role": "operator"})
 
@@ -33,7 +33,7 @@ class EnterRequest(Request):
 
 
 class RoleRequest(Request):
-    """What somebody may do from now on."""
+    """New role of a person."""
 
     model_config = example({"role": "metrologist"})
 
@@ -41,18 +41,18 @@ class RoleRequest(Request):
 
 
 class TokenRequest(Request):
-    """A program that shall be let in, on behalf of a person."""
+    """A program to authorise on behalf of a person."""
 
     model_config = example({"name": "line 3", "owner": "Ada Byron", "role": "device", "hours": 8760})
 
-    name: Label = Field(description="What the program is called.", examples=["line 3"])
-    owner: Name = Field(description="Who answers for it; it ends with them.")
+    name: Label = Field(description="Name of the program.", examples=["line 3"])
+    owner: Name = Field(description="Person responsible for it; the token ends with their account.")
     role: RoleName
-    hours: int = Field(ge=1, le=10 * 8784, description="After which it ends.", examples=[8760])
+    hours: int = Field(ge=1, le=10 * 8784, description="Hours until the token expires.", examples=[8760])
 
 
 class PersonReply(Reply):
-    """Somebody who is entered."""
+    """A person with an account."""
 
     id: RecordId
     name: Name
@@ -60,7 +60,7 @@ class PersonReply(Reply):
     has_password: bool
     has_pin: bool
     has_badge: bool
-    invited: bool = Field(description="A link to choose a password waits to be used.")
+    invited: bool = Field(description="True if a link to choose a password has not been used yet.")
 
     @classmethod
     def about(cls, person: Person, kinds: set[str], *, has_pin: bool) -> "PersonReply":
@@ -75,28 +75,28 @@ class PersonReply(Reply):
 
 
 class PeopleReply(Reply):
-    """Everybody who is entered."""
+    """All people with an account."""
 
     people: list[PersonReply]
 
 
 class EnteredReply(Reply):
-    """Somebody who was entered, and the link for them."""
+    """The person added, and their link."""
 
     person: PersonReply
     link: str = Field(
-        description=f"To choose a password, once, within {LINK_DAYS} days; shown this once.",
+        description=f"Link to choose a password, valid once within {LINK_DAYS} days; it is not shown again.",
         examples=["/welcome/5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
     )
 
 
 class TokenReply(Reply):
-    """A program that is let in."""
+    """An authorised program."""
 
     id: RecordId
     recorded_at: RecordedAt
     name: str = Field(examples=["line 3"])
-    owner: str = Field(description="Who answers for it.", examples=["Ada Byron"])
+    owner: str = Field(description="Person responsible for it.", examples=["Ada Byron"])
     role: Role
     expires_at: RecordedAt
 
@@ -114,7 +114,7 @@ class TokenReply(Reply):
 
 
 class TokensReply(Reply):
-    """All programs that are let in."""
+    """All authorised programs."""
 
     tokens: list[TokenReply]
 
@@ -124,25 +124,27 @@ class NewTokenReply(Reply):
 
     token: TokenReply
     secret: str = Field(
-        description="Shown this once; send it as `Authorization: Bearer ...`.",
+        description="Secret of the token, to be sent as `Authorization: Bearer ...`; it is not shown again.",
         examples=["5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
     )
 
 
 class ActOfPersonReply(Reply):
-    """One request that changed something, or that was refused."""
+    """A request that changed something or was refused."""
 
     id: RecordId
     happened_at: RecordedAt
     person: str | None
     role: str | None
-    how: str | None = Field(description="sign_in or token.", examples=["sign_in"])
+    how: str | None = Field(
+        description="How the caller was identified: `sign_in` or `token`.", examples=["sign_in"]
+    )
     tablet: str | None
     address: str | None
     operation: str = Field(examples=["start_session"])
     resource: str = Field(examples=["/api/v1/sessions/3/commands"])
-    status: int = Field(description="HTTP status of the answer.", examples=[202])
-    reason: str | None = Field(description="Why, where it was given.")
+    status: int = Field(description="HTTP status of the response.", examples=[202])
+    reason: str | None = Field(description="Reason, if given.")
 
     @classmethod
     def about(cls, record: ActRecord) -> "ActOfPersonReply":
@@ -151,15 +153,15 @@ class ActOfPersonReply(Reply):
 
 
 class ActsReply(Reply):
-    """A part of the acts, newest first."""
+    """A section of the audit log, newest first."""
 
     acts: list[ActOfPersonReply]
-    total: int = Field(description="How many there are that were searched for.", examples=[214])
+    total: int = Field(description="Number of entries that match the search.", examples=[214])
 
 
 router = resource(tags=["people"])
 _HOURS_A_DAY = 24
-_OF_MACHINE = "somebody at this computer"  # nobody is asked who they are
+_OF_MACHINE = "a user of this computer"  # nobody is asked who they are
 
 
 async def _by(asker: CurrentCaller) -> str:
@@ -171,13 +173,13 @@ By = Annotated[str, Depends(_by)]
 
 @router.get("/people", responses=problems(503))
 async def list_people(here: Here) -> PeopleReply:
-    """List everybody who is let in."""
+    """List all people with an account."""
     return PeopleReply(people=listed_people(here))
 
 
 @router.post("/people", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def enter_person(here: Here, asker: CurrentCaller, by: By, wanted: EnterRequest) -> EnteredReply:
-    """Enter somebody; they choose their password by the link in the answer."""
+    """Add a person; they choose their password with the link in the reply."""
     accounts = here.people.accounts
     if asker.machine:
         person, secret = await accounts.enter_by_machine(wanted.name, wanted.role)
@@ -188,20 +190,20 @@ async def enter_person(here: Here, asker: CurrentCaller, by: By, wanted: EnterRe
 
 @router.put("/people/{id}/role", responses=CHANGE)
 async def change_role(here: Here, by: By, id: Id, wanted: RoleRequest) -> PersonReply:
-    """Change what somebody may do, from this moment on."""
+    """Change the role of a person with immediate effect."""
     found = await here.people.accounts.register.change_role(_person(here, id), wanted.role, by)
     return _reply(here, found)
 
 
 @router.delete("/people/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def remove_person(here: Here, by: By, id: Id) -> None:
-    """Let somebody in no more; their browsers and programs are out at once, their acts stay."""
+    """Remove a person; their browsers and programs lose access at once, their audit entries are kept."""
     await here.people.accounts.register.remove(_person(here, id), by)
 
 
 @router.post("/people/{id}/link", status_code=status.HTTP_201_CREATED, responses=ACT)
 async def make_link(here: Here, by: By, id: Id) -> EnteredReply:
-    """Make somebody a new link to choose a password; the one before opens nothing any more."""
+    """Create a new link to choose a password; the previous link becomes invalid."""
     person = _person(here, id)
     secret = await here.people.accounts.link(person, by)
     return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
@@ -209,13 +211,13 @@ async def make_link(here: Here, by: By, id: Id) -> EnteredReply:
 
 @router.get("/tokens", responses=problems(503))
 async def list_tokens(here: Here) -> TokensReply:
-    """List the programs that are let in."""
+    """List the authorised programs."""
     return TokensReply(tokens=listed_tokens(here))
 
 
 @router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def make_token(here: Here, by: By, wanted: TokenRequest) -> NewTokenReply:
-    """Let a program in, on behalf of somebody; the secret is shown this once."""
+    """Create a token for a program on behalf of a person; the secret is not shown again."""
     owner = here.people.accounts.register.require(wanted.owner)
     record, secret = await here.people.accounts.make_token(
         owner, wanted.name, wanted.role, wanted.hours / _HOURS_A_DAY, by
@@ -225,7 +227,7 @@ async def make_token(here: Here, by: By, wanted: TokenRequest) -> NewTokenReply:
 
 @router.delete("/tokens/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def revoke_token(here: Here, by: By, id: Id) -> None:
-    """Let a program in no more, from this moment on."""
+    """Revoke a token with immediate effect."""
     if id not in {record.id for record in _tokens(here)}:
         raise UnknownPersonError(message("refused.no_token", number=id))
     await here.people.accounts.register.revoke(id, by=by)
@@ -266,15 +268,15 @@ def _reply(here: Context, person: Person) -> PersonReply:
 _TOGETHER: Final = 500
 _LINES: Final = {"application/jsonl": {"schema": {"type": "string"}}}
 Search = Annotated[
-    str, Query(max_length=200, description="In person, operation, resource, reason or address.")
+    str, Query(max_length=200, description="Text to find in person, operation, resource, reason or address.")
 ]
-Before = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Number; acts before it.")]
-Limit = Annotated[int, Query(ge=1, le=_TOGETHER, description="How many at most.")]
+Before = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only entries with a lower number.")]
+Limit = Annotated[int, Query(ge=1, le=_TOGETHER, description="Maximum number of entries.")]
 
 
 @router.get("/audit", responses=problems(422, 503))
 async def list_acts(here: Here, search: Search = "", before: Before = None, limit: Limit = 100) -> ActsReply:
-    """List what was changed or refused, newest first."""
+    """List changes and refused requests, newest first."""
     await here.people.log.written()
     found = await here.people.acts.newest(before, limit, search)
     return ActsReply(
@@ -285,10 +287,10 @@ async def list_acts(here: Here, search: Search = "", before: Before = None, limi
 @router.get(
     "/audit/lines",
     response_class=Response,
-    responses=sending("One act a line, oldest first.", _LINES) | problems(422, 503),
+    responses=sending("One audit entry per line, oldest first.", _LINES) | problems(422, 503),
 )
 async def download_acts(here: Here, search: Search = "") -> StreamingResponse:
-    """Download all acts as JSON lines, oldest first."""
+    """Download all audit entries as JSON lines, oldest first."""
     headers = {"Content-Disposition": 'attachment; filename="acts.jsonl"'}
     return StreamingResponse(_lines(here, search), media_type="application/jsonl", headers=headers)
 

@@ -14,50 +14,55 @@ from truepose.web.schemas import NUMBER_LIMIT, Point, RecordedAt, RecordId, Repl
 
 
 class PointReadingReply(Reply):
-    """What was read at a stop, on a tool nest."""
+    """A reading of a tool nest at a configuration."""
 
     config: int = Field(examples=[12])
-    commanded_deg: list[float] = Field(description="Joint angles that the robot was sent to.")
-    reported_deg: list[float] = Field(description="Joint angles that the controller reported there.")
-    direction: list[int] = Field(description="Sign of each joint's last motion; 0 unknown.")
-    temperature_c: Quantity = Field(description="Of the air, at the instrument.", examples=[23.1])
-    attachment: int = Field(description="How often the tool has been mounted.", examples=[1])
-    rms_mm: Quantity = Field(description="Scatter of the samples.", examples=[0.012])
+    commanded_deg: list[float] = Field(description="Joint angles sent to the robot.")
+    reported_deg: list[float] = Field(description="Joint angles reported by the controller.")
+    direction: list[int] = Field(description="Direction of each joint's last motion: 1, -1, or 0 if unknown.")
+    temperature_c: Quantity = Field(description="Air temperature at the instrument.", examples=[23.1])
+    attachment: int = Field(description="Number of times the tool has been mounted.", examples=[1])
+    rms_mm: Quantity = Field(description="Standard deviation of the samples.", examples=[0.012])
     samples: int = Field(examples=[1000])
-    repeat_of: int | None = Field(description="Earlier configuration with the same joints.")
-    group: int | None = Field(description="Of readings that belong together, as planned.")
+    repeat_of: int | None = Field(description="Earlier configuration with the same joint angles.")
+    group: int | None = Field(description="Group of readings to which it belongs in the plan.")
     quaternion: list[float] | None = Field(
-        description="Of the artefact in the world, w first; null of a tracker, which reads points."
+        description="Orientation of the artefact in the world frame, w first; null for a tracker, which "
+        "measures points."
     )
     rotation_uncertainty_deg: Quantity | None = Field(
-        description="Of the orientation, per axis; null as above."
+        description="Standard uncertainty of the orientation, per axis; null for a tracker."
     )
 
 
 class FixedNestReadingReply(Reply):
-    """What was read on a fixed nest."""
+    """A reading of a fixed nest."""
 
-    phase: str = Field(description="registration, two_face or reference.", examples=["reference"])
+    phase: str = Field(description="`registration`, `two_face` or `reference`.", examples=["reference"])
     face: int = Field(examples=[1])
 
 
 class ReadingReply(Reply):
-    """A reading; exactly one of `point` and `fixed_nest` is there."""
+    """A reading; either `point` or `fixed_nest` is given."""
 
     id: RecordId
     session_id: RecordId
     recorded_at: RecordedAt
     kind: ReadingKind
     supersedes: int | None = Field(
-        description="The earlier reading of the same stop, which no longer counts."
+        description="Number of the earlier reading of the same configuration that this one replaces."
     )
-    superseded_by: int | None = Field(description="The later reading that counts in its place.")
-    nest: int = Field(description="Of the tool, or fixed.", examples=[2])
-    time_s: float = Field(description="Cell time.", examples=[812.4])
-    position_tracker_mm: Point = Field(description="In the tracker's frame.")
-    position_world_mm: Point | None = Field(description="In the world; null before the registration.")
-    standard_uncertainty_mm: Quantity = Field(description="Per axis.", examples=[0.015])
-    instrument_serial: str = Field(description="As the instrument told it; empty where it does not.")
+    superseded_by: int | None = Field(description="Number of the later reading that replaces this one.")
+    nest: int = Field(description="Number of the tool nest or fixed nest.", examples=[2])
+    time_s: float = Field(description="Cell time of the reading.", examples=[812.4])
+    position_tracker_mm: Point = Field(description="Position in the tracker frame.")
+    position_world_mm: Point | None = Field(
+        description="Position in the world frame; null until the registration."
+    )
+    standard_uncertainty_mm: Quantity = Field(description="Standard uncertainty per axis.", examples=[0.015])
+    instrument_serial: str = Field(
+        description="Serial number reported by the instrument; empty if it reports none."
+    )
     point: PointReadingReply | None
     fixed_nest: FixedNestReadingReply | None
 
@@ -71,9 +76,9 @@ def reading_reply(record: ReadingRecord) -> ReadingReply:
 
 
 router = resource(tags=["readings"])
-OfKind = Annotated[ReadingKind | None, Query(description="Only of this kind.")]
-Superseded = Annotated[bool, Query(description="False: only readings that count.")]
-OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only of this session.")]
+OfKind = Annotated[ReadingKind | None, Query(description="Only readings of this kind.")]
+Superseded = Annotated[bool, Query(description="False: omit readings that were replaced by later ones.")]
+OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only readings of this session.")]
 
 
 @router.get("/readings", responses=LIST)
@@ -84,14 +89,14 @@ async def list_readings(
     kind: OfKind = None,
     superseded: Superseded = True,
 ) -> list[ReadingReply]:
-    """List readings in the order they were taken."""
+    """List readings in the order in which they were taken."""
     found = await here.readings.page(paging.page, session_id=session_id, kind=kind, superseded=superseded)
     return paging.shown(found, reading_reply)
 
 
 @router.get("/readings/{id}", responses=READ)
 async def get_reading(here: Here, id: Id) -> ReadingReply:
-    """Show a reading as it was stored."""
+    """Return a reading as stored."""
     return reading_reply(await here.readings.get(id))
 
 
@@ -99,7 +104,7 @@ async def get_reading(here: Here, id: Id) -> ReadingReply:
 async def list_readings_of_session(
     here: Here, id: Id, paging: Paged, kind: OfKind = None, superseded: Superseded = True
 ) -> list[ReadingReply]:
-    """List the readings of a session in the order they were taken."""
+    """List the readings of a session in the order in which they were taken."""
     await here.sessions.require(id)
     found = await here.readings.page(paging.page, session_id=id, kind=kind, superseded=superseded)
     return paging.shown(found, reading_reply)

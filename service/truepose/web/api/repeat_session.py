@@ -28,16 +28,19 @@ from truepose.web.schemas import VISIBLE, Number, Request, example
 
 
 class RepeatRequest(Request):
-    """A session to plan as an earlier one; nothing moves by planning."""
+    """A session to plan like an earlier one; planning does not move anything."""
 
     model_config = example({"name": "left arm, November", "poses": "same"})
 
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm, November"])
     poses: Literal["same", "anew"] = Field(
-        "same", description="same: those of then. anew: as many, chosen by the same rules in the cell of now."
+        "same",
+        description="`same`: the earlier configurations. `anew`: the same number, chosen by the same "
+        "rules in the present cell.",
     )
     attachment: Number | None = Field(
-        None, description="How often the tool has been mounted; null: as often as then."
+        None,
+        description="Number of times the tool has been mounted; null for the same as in the earlier session.",
     )
 
 
@@ -164,10 +167,10 @@ router = resource("/sessions", tags=["sessions"])
 async def plan_session_again(
     here: Here, id: Id, wanted: RepeatRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
-    """Plan a session as an earlier one of any kind; the job's result is the session. Nothing moves.
+    """Plan a session like an earlier one of any kind; the result of the job is the session. Nothing moves.
 
-    Robot, kind, stops, nests and cups are those of then, unless they are chosen anew; the cell, its limits
-    and its instruments are those of the cell file now.
+    Robot, kind, configurations, nests and cups are those of the earlier session, unless they are chosen anew;
+    the cell, its limits and its instruments are those of the present cell file.
     """
     template = await template_of(here, id)
     return await queued_job(here, await plan_again(here, template, wanted, key, sender), response)

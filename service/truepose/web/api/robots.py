@@ -10,29 +10,33 @@ from truepose.web.schemas import Reply, degrees
 
 
 class JointReply(Reply):
-    """One row of the DH-Modified table after Craig, and what the joint may do."""
+    """A row of the DH-Modified table (after Craig), with the limits of the joint."""
 
     joint: int = Field(examples=[3])
     alpha_deg: float = Field(examples=[0.0])
     a_mm: float = Field(examples=[270.0])
     theta_offset_deg: float = Field(examples=[-90.0])
     d_mm: float = Field(examples=[0.0])
-    sign: int = Field(description="The joint turns by `sign*q + theta_offset`.", examples=[1])
-    lower_limit_deg: float | None = Field(description="Of the controller.", examples=[-110.0])
-    upper_limit_deg: float | None = Field(description="Of the controller.", examples=[70.0])
-    calibration_from_deg: float | None = Field(description="Configurations are chosen from here ...")
-    calibration_to_deg: float | None = Field(description="... to here.")
+    sign: int = Field(description="Sign in the joint angle `sign*q + theta_offset`.", examples=[1])
+    lower_limit_deg: float | None = Field(description="Lower limit of the controller.", examples=[-110.0])
+    upper_limit_deg: float | None = Field(description="Upper limit of the controller.", examples=[70.0])
+    calibration_from_deg: float | None = Field(
+        description="Lower end of the range from which configurations are chosen."
+    )
+    calibration_to_deg: float | None = Field(
+        description="Upper end of the range from which configurations are chosen."
+    )
 
 
 class RobotReply(Reply):
-    """A robot that is shipped with the program, as its maker describes it."""
+    """A robot supplied with the software, as specified by its manufacturer."""
 
-    name: str = Field(description="By which cell files name it.", examples=["abb-irb-120"])
+    name: str = Field(description="Name used in cell files.", examples=["abb-irb-120"])
     title: str = Field(examples=["ABB IRB 120"])
     joints: list[JointReply]
-    repeatability_mm: float = Field(description="Standard deviation of the arm itself, per axis.")
+    repeatability_mm: float = Field(description="Repeatability of the arm (standard deviation per axis).")
     rated_payload_kg: float | None = Field(examples=[3.0])
-    source: str = Field(description="Where the numbers come from.")
+    source: str = Field(description="Source of the values.")
 
 
 def robot_reply(name: str, robot: Robot) -> RobotReply:
@@ -66,11 +70,11 @@ router = resource("/robots", tags=["robots"])
 
 @router.get("", responses=listing(422))
 async def list_robots(paging: Counted) -> list[RobotReply]:
-    """List the shipped robots with their nominal tables."""
+    """List the supplied robots with their nominal tables."""
     return paging.of(shipped_robots(), lambda name: robot_reply(name, load_robot(name)))
 
 
 @router.get("/{name}", responses=problems(404, 422))
 async def get_robot(name: Name) -> RobotReply:
-    """Show a shipped robot; 404 lists the known names."""
+    """Return a supplied robot; 404 lists the known names."""
     return robot_reply(name, load_robot(name))

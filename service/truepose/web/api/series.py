@@ -21,7 +21,7 @@ Columns = Annotated[
     Field(
         min_length=1,
         max_length=_MOST_COLUMNS,
-        description="What each value of a reading is, with its unit, as the header of a table says it.",
+        description="Meaning of each value with its unit, as in the header of a table.",
         examples=[["q1 [deg]", "q2 [deg]", "x [mm]", "y [mm]", "z [mm]"]],
     ),
 ]
@@ -30,7 +30,7 @@ Values = Annotated[
     Field(
         min_length=1,
         max_length=_MOST_COLUMNS,
-        description="A value for each column; null where it was not read.",
+        description="One value per column; null if not measured.",
         examples=[[0.0, -30.0, 512.4, -33.1, 640.2]],
     ),
 ]
@@ -39,15 +39,15 @@ First = Annotated[
     Field(
         ge=1,
         le=NUMBER_LIMIT,
-        description="Number of the first of these readings: 1 to begin with, then `next_number` of the "
-        "last answer.",
+        description="Number of the first of these readings: 1 at the start, then `next_number` of the last "
+        "reply.",
         examples=[1],
     ),
 ]
 
 
 class SeriesRequest(Request):
-    """What a program is going to deliver."""
+    """A series of readings that a program will deliver."""
 
     model_config = example({"name": "left arm", "columns": ["q1 [deg]", "x [mm]", "y [mm]", "z [mm]"]})
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
@@ -57,7 +57,7 @@ class SeriesRequest(Request):
     @classmethod
     def _each_once(cls, columns: list[str]) -> list[str]:
         if len(set(columns)) < len(columns):
-            raise ValueError("each column needs a name of its own")
+            raise ValueError("column names must be unique")
         return columns
 
     def series(self) -> Series:
@@ -74,22 +74,22 @@ class DeliveryRequest(Request):
 
 
 class SeriesReply(Reply):
-    """A series and how far it has come."""
+    """A series and its progress."""
 
     id: RecordId
     recorded_at: RecordedAt
     name: Annotated[str, FieldSource("series.name")]
     columns: Annotated[Columns, FieldSource("series.columns")]
-    readings: int = Field(description="How many it holds.")
+    readings: int = Field(description="Number of readings in the series.")
     next_number: Annotated[int, FieldSource("readings", lambda count: count + 1)] = Field(
-        description="Number of the reading that it goes on at."
+        description="Number of the next reading to deliver."
     )
 
 
 class DeliveredReply(Reply):
-    """Readings that are on disk."""
+    """Confirmation that the readings are on disk."""
 
-    next_number: int = Field(description="Number of the reading that the series goes on at.", examples=[2])
+    next_number: int = Field(description="Number of the next reading to deliver.", examples=[2])
 
 
 class DeliveredReadingReply(Reply):
@@ -105,7 +105,7 @@ router = resource("/series", tags=["series"])
 
 @router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 413, 415, 422, 503))
 async def start_series(here: Here, response: Response, wanted: SeriesRequest) -> SeriesReply:
-    """Begin a series: say what its columns are, as the header of a table would."""
+    """Start a series and define its columns, as in the header of a table."""
     number = await here.series.begin(wanted.series())
     response.headers["Location"] = f"/api/v1/series/{number}"
     return SeriesReply.of(await here.series.get(number))
@@ -119,16 +119,17 @@ async def list_series(here: Here, paging: Paged) -> list[SeriesReply]:
 
 @router.get("/{id}", responses=READ)
 async def get_series(here: Here, id: Id) -> SeriesReply:
-    """Show a series, and the number of the reading that it goes on at."""
+    """Return a series, and the number of the next reading to deliver."""
     return SeriesReply.of(await here.series.get(id))
 
 
 @router.post("/{id}/readings", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def add_readings(here: Here, id: Id, wanted: DeliveryRequest) -> DeliveredReply:
-    """Deliver readings; the answer comes when they are on disk.
+    """Deliver readings; the response is sent once they are on disk.
 
-    `first` numbers them: a delivery whose answer was lost is sent again as it was, and kept once. One that
-    leaves a gap, or says something else of a number that is taken, is refused (409).
+    `first` numbers them: if the response to a delivery is lost, send the delivery again unchanged; it is
+    stored once. A delivery that leaves a gap, or differs from a stored reading of the same number, is refused
+    (409).
     """
     delivery = Delivery(wanted.first, tuple(map(tuple, wanted.readings)))
     await here.series.deliver(id, delivery)
@@ -137,7 +138,7 @@ async def add_readings(here: Here, id: Id, wanted: DeliveryRequest) -> Delivered
 
 @router.get("/{id}/readings", responses=LIST_OF_RECORD)
 async def list_readings_of_series(here: Here, id: Id, paging: Paged) -> list[DeliveredReadingReply]:
-    """List the readings of a series in their order."""
+    """List the readings of a series in order."""
     record = await here.series.get(id)
     readings = await here.series.readings(id, paging.page)
     last = readings[-1].number if readings else paging.page.after
@@ -149,7 +150,7 @@ async def list_readings_of_series(here: Here, id: Id, paging: Paged) -> list[Del
     "/{id}/draft", status_code=status.HTTP_201_CREATED, responses=problems(404, 409, 413, 415, 422, 503)
 )
 async def make_draft_of_series(here: Here, response: Response, id: Id) -> DraftReply:
-    """Bring what a series holds so far, as if its table had been dropped at `/bring`."""
+    """Create a draft from the readings of a series so far, as if their table had been dropped at `/bring`."""
     draft = await draft_of_series(here.series, here.draft_desk, id)
     response.headers["Location"] = f"/api/v1/drafts/{draft.id}"
     return DraftReply.of(draft)

@@ -28,25 +28,26 @@ Name = Annotated[
 Label = Annotated[str, Field(min_length=1, max_length=100, pattern=NAME_PATTERN), AfterValidator(tidy_name)]
 Password = Annotated[str, Field(min_length=1, max_length=LONGEST_SECRET, pattern=_ANY)]
 NewPassword = Annotated[str, Field(min_length=SHORTEST_PASSWORD, max_length=LONGEST_SECRET, pattern=_ANY)]
-Pin = Annotated[str, Field(pattern=r"^[0-9]{4,12}$", description="4 to 12 digits.", examples=["4071"])]
+Pin = Annotated[str, Field(pattern=r"^[0-9]{4,12}$", description="PIN of 4 to 12 digits.", examples=["4071"])]
 Badge = Annotated[
-    str, Field(min_length=4, max_length=100, pattern=r"^[!-~]+$", description="As the reader types it.")
+    str,
+    Field(min_length=4, max_length=100, pattern=r"^[!-~]+$", description="Text typed by the badge reader."),
 ]
-Secret = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{43}$", description="The last part of the link.")]
+Secret = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{43}$", description="Last part of the link.")]
 
 
 class SignInRequest(Request):
-    """Who comes in, and where they sit."""
+    """Name, password and tablet of a sign-in."""
 
     model_config = example({"name": "Ada Byron", "password": "on the looms of Lyon", "tablet": "cell 3"})
 
     name: Name
     password: Password
-    tablet: Label | None = Field(None, description="What this browser is called, for whoever looks later.")
+    tablet: Label | None = Field(None, description="Name of this browser, for the records.")
 
 
 class ProofRequest(Request):
-    """Something that only the person knows who is signed in; one of the two."""
+    """Proof of identity of the person signed in: either PIN or password."""
 
     model_config = example({"pin": "4071"})
 
@@ -55,7 +56,7 @@ class ProofRequest(Request):
 
 
 class SwitchRequest(Request):
-    """Who stands before the tablet now: by name or by badge, and a PIN in any case."""
+    """Person who takes over the tablet: name or badge, and always the PIN."""
 
     model_config = example({"name": "Grace Hopper", "pin": "1906"})
 
@@ -65,7 +66,7 @@ class SwitchRequest(Request):
 
 
 class ChosenRequest(Request):
-    """What somebody chooses for themselves; the present password proves who they are."""
+    """New password, PIN or badge; the present password proves the identity."""
 
     model_config = example({"present_password": "on the looms of Lyon", "pin": "4071"})
 
@@ -92,7 +93,7 @@ class FirstPersonRequest(Request):
 
 
 class AcceptRequest(Request):
-    """What somebody chooses who was given a link."""
+    """Secrets chosen by a person who was given a link."""
 
     model_config = example({
         "secret": "5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k",
@@ -107,15 +108,19 @@ class AcceptRequest(Request):
 
 
 class CallerReply(Reply):
-    """Who is asking."""
+    """The caller of the request."""
 
-    accounts: str = Field(description="off, open (until somebody is entered), or on.", examples=["on"])
-    name: str | None = Field(description="Null: nobody is signed in.", examples=["Ada Byron"])
+    accounts: str = Field(
+        description="`off`; `open` until the first person is added; or `on`.", examples=["on"]
+    )
+    name: str | None = Field(
+        description="Name of the person; null if nobody is signed in.", examples=["Ada Byron"]
+    )
     role: Role | None
-    tablet: str = Field(description="What this browser is called; empty: nothing.", examples=["cell 3"])
-    fresh: bool = Field(description="Whether it was shown within five minutes who it is.")
+    tablet: str = Field(description="Name of this browser; empty if it has none.", examples=["cell 3"])
+    fresh: bool = Field(description="True if the person proved their identity within the last five minutes.")
     people: list[str] = Field(
-        description="Who may take over this browser by a PIN; empty: nobody signed it in."
+        description="People who may take over this browser with a PIN; empty if nobody signed it in."
     )
 
 
@@ -133,7 +138,7 @@ _DAY_S = 24 * 3600
 async def sign_in(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: SignInRequest
 ) -> CallerReply:
-    """Sign a browser in with name and password; the answer's cookie keeps it so."""
+    """Sign a browser in with name and password; the cookie in the response keeps it signed in."""
     known = here.people.accounts.register.named(wanted.name)
     # Nobody is signed in yet, and the record of a refusal has to say as whom somebody tried.
     asked.about = None if known is None else known.name
@@ -145,7 +150,7 @@ async def sign_in(
 
 @router.get("/sign-ins/present", responses=problems(503))
 async def get_caller(here: Here, asked: CurrentRequest) -> CallerReply:
-    """Say who is signed in, and whether anybody has to be."""
+    """Return who is signed in, and whether signing in is required."""
     return caller_reply(here, asked.caller)
 
 
@@ -158,7 +163,7 @@ async def sign_out(here: Here, request: HttpRequest, response: Response, asked: 
 
 @router.post("/sign-ins/present/fresh", responses=_SECRETS)
 async def show_again(here: Here, asked: CurrentRequest, wanted: ProofRequest) -> CallerReply:
-    """Show once more, by PIN or password, who it is; for five minutes an arm may be let move."""
+    """Prove the identity again with PIN or password; motions may be started for the next five minutes."""
     kind = CredentialKind.PASSWORD if wanted.pin is None else CredentialKind.PIN
     secret = wanted.password if wanted.pin is None else wanted.pin
     await here.people.accounts.sign_ins.show(asked.caller, kind, secret or "")
@@ -169,7 +174,7 @@ async def show_again(here: Here, asked: CurrentRequest, wanted: ProofRequest) ->
 async def switch_person(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: SwitchRequest
 ) -> CallerReply:
-    """Have somebody else stand before this browser: by name or badge, and a PIN."""
+    """Switch to another person at this browser, by name or badge, and PIN."""
     switched = await here.people.accounts.sign_ins.switch(asked.caller, wanted.name, wanted.badge, wanted.pin)
     return _signed_in(here, request, response, switched)
 
@@ -178,7 +183,7 @@ async def switch_person(
 async def choose_secrets(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: ChosenRequest
 ) -> CallerReply:
-    """Choose another password, PIN or badge; a new password signs out every other browser."""
+    """Choose a new password, PIN or badge; a new password signs out all other browsers."""
     person = asked.caller.person
     if person is None or asked.caller.sign_in is None:
         raise SignInRefusedError(message("refused.sign_in"))
@@ -196,7 +201,7 @@ async def choose_secrets(
 async def enter_first_person(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: FirstPersonRequest
 ) -> CallerReply:
-    """Enter the first person, who becomes administrator; from then on everybody signs in."""
+    """Add the first person, who becomes administrator; from then on, everybody must sign in."""
     asked.about = wanted.name
     signed_in = await here.people.accounts.enter_first(
         wanted.secret, wanted.name, chosen_of(wanted), asked.address
@@ -208,7 +213,7 @@ async def enter_first_person(
 async def accept_link(
     here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: AcceptRequest
 ) -> CallerReply:
-    """Choose a password, and a PIN, by the link that an administrator gave; it works once."""
+    """Choose a password and PIN with the link from an administrator; the link works once."""
     invited = here.people.accounts.invited(wanted.secret)
     asked.about = None if invited is None else invited.name
     signed_in = await here.people.accounts.accept(wanted.secret, chosen_of(wanted), asked.address)

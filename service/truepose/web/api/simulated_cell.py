@@ -18,7 +18,7 @@ FaultKind = Annotated[
         min_length=1,
         max_length=40,
         pattern="^[a-z_]+$",
-        description="Which kind of fault (docs/faults.md).",
+        description="Kind of fault (see docs/faults.md).",
         examples=["beam_broken"],
     ),
 ]
@@ -28,7 +28,7 @@ Value = float | Text | Components
 
 
 class FaultRequest(Request):
-    """What is to go wrong: a `[[fault]]` of a file."""
+    """A fault to inject, like a `[[fault]]` of a file."""
 
     model_config = example({
         "person": "Ada Byron",
@@ -41,7 +41,8 @@ class FaultRequest(Request):
     keys: dict[str, Value] = Field(
         default_factory=dict,
         max_length=16,
-        description="Its keys, its trigger among them; numbers with the unit that the name ends in.",
+        description="Keys of the fault, including its trigger; numbers are in the unit at the end of the "
+        "name.",
         examples=[{"configuration": 12}],
     )
 
@@ -51,7 +52,7 @@ class FaultRequest(Request):
 
 
 class EndFaultRequest(Request):
-    """Who ends a fault."""
+    """Person who ends a fault."""
 
     person: PersonName
 
@@ -65,36 +66,38 @@ class FaultKeyReply(Reply):
 
 
 class FaultKindReply(Reply):
-    """A kind of fault with its keys; those that say when come last."""
+    """A kind of fault with its keys; trigger keys come last."""
 
     kind: FaultKind
     keys: list[FaultKeyReply]
 
 
 class FaultReply(Reply):
-    """A fault that was given to the cell."""
+    """A fault of the cell."""
 
     number: Number
     kind: FaultKind
-    keys: dict[str, Value] = Field(description="As they were given.", examples=[{"configuration": 12}])
+    keys: dict[str, Value] = Field(description="Keys as given.", examples=[{"configuration": 12}])
     state: Literal["waiting", "active", "over"]
-    begun_s: float | None = Field(description="When its trigger came, cell time; null: not yet.")
-    over_s: float | None = Field(description="When it was over, cell time; null: not yet.")
-    struck: int = Field(description="How many readings, motions or connections it has befallen.")
-    person: str | None = Field(description="Who gave it; null: it is of a file.", examples=["Ada Byron"])
+    begun_s: float | None = Field(description="Cell time at which it was triggered; null if not yet.")
+    over_s: float | None = Field(description="Cell time at which it ended; null if not yet.")
+    struck: int = Field(description="Number of readings, motions or connections affected.")
+    person: str | None = Field(
+        description="Person who injected it; null if it comes from a file.", examples=["Ada Byron"]
+    )
 
 
 class FaultsReply(Reply):
-    """What may go wrong, and what does."""
+    """Available kinds of faults and the present faults."""
 
-    simulated: bool = Field(description="False: the cell is real, and nothing goes wrong on order.")
-    now_s: float | None = Field(description="The cell's time.", examples=[312.5])
+    simulated: bool = Field(description="False if the cell is real, so no faults can be injected.")
+    now_s: float | None = Field(description="Present cell time.", examples=[312.5])
     kinds: list[FaultKindReply]
     faults: list[FaultReply]
 
 
 class FaultGivenReply(Reply):
-    """The number of a fault."""
+    """Number of the injected fault."""
 
     number: Number
 
@@ -115,7 +118,7 @@ _ACT = problems(400, 409, 413, 415, 422, 503)
 
 @router.get("", responses=problems(503))
 async def get_faults(here: Here) -> FaultsReply:
-    """Say what may go wrong in the simulated cell, and what became of each fault; nothing on a real cell."""
+    """List the available kinds of faults and the state of each fault; empty for a real cell."""
     desk = here.faults_desk
     if not desk.simulated:
         return FaultsReply(simulated=False, now_s=None, kinds=[], faults=[])
@@ -124,13 +127,13 @@ async def get_faults(here: Here) -> FaultsReply:
 
 @router.post("", status_code=status.HTTP_201_CREATED, responses=_ACT)
 async def give_fault(here: Here, wanted: FaultRequest) -> FaultGivenReply:
-    """Have something go wrong in the simulated cell; 422 with a sentence where that makes no sense."""
+    """Inject a fault into the simulated cell; 422 with an explanation if it is invalid."""
     return FaultGivenReply(number=await here.faults_desk.give(wanted.person, wanted.kind, wanted.said()))
 
 
 @router.post("/{id}/end", status_code=status.HTTP_204_NO_CONTENT, responses=_ACT)
 async def end_fault(here: Here, id: Id, who: EndFaultRequest) -> None:
-    """End a fault now, whatever it waits for."""
+    """End a fault now, whether or not it has been triggered."""
     await here.faults_desk.end(who.person, id)
 
 
@@ -139,7 +142,7 @@ hands_router = resource("/simulated-hands", tags=["simulated hands"])
 
 @hands_router.get("")
 async def get_hands(here: Here) -> HandsReply:
-    """Say what the simulated hands can do; nothing on a real cell."""
+    """Return the available actions of the simulated operator; none for a real cell."""
     desk = here.hands_desk
     return HandsReply(
         simulated=desk.simulated, actions=list(ACTIONS) if desk.simulated else [], holding=desk.holding
@@ -148,5 +151,5 @@ async def get_hands(here: Here) -> HandsReply:
 
 @hands_router.post("", status_code=status.HTTP_204_NO_CONTENT, responses=_ACT)
 async def use_hands(here: Here, wanted: HandsRequest) -> None:
-    """Let the simulated hands do one thing; 409 with a sentence where that cannot be done now."""
+    """Have the simulated operator perform an action; 409 with an explanation if it is not possible now."""
     await here.hands_desk.do(wanted.action, wanted.details())

@@ -35,90 +35,105 @@ class PoseReply(Reply):
 
     config: int = Field(examples=[12])
     pieces_mm: Capsules = Field(
-        description="Links and tool as capsules: start (3), end (3) and radius, in the world.",
+        description="Links and tool as capsules: start (3), end (3) and radius, in the world frame.",
         examples=[[[0.0, 0.0, 0.0, 0.0, 0.0, 290.0, 90.0]]],
     )
-    before_mm: ErrorMm = Field(description="Largest error there of the nominal robot.", examples=[1.21])
-    after_mm: ErrorMm = Field(description="Of the identified model.", examples=[0.052])
+    before_mm: ErrorMm = Field(
+        description="Largest error of the nominal robot in this configuration.", examples=[1.21]
+    )
+    after_mm: ErrorMm = Field(
+        description="Largest error of the identified model in this configuration.", examples=[0.052]
+    )
 
 
 class SpaceReply(Reply):
-    """Readings in space, before and after; vectors are seen minus foreseen."""
+    """Readings in 3D, with errors before and after; error vectors are measured minus predicted."""
 
     robot: str = Field(examples=["ABB IRB 120"])
-    points_mm: Annotated[list[Point], _PLACES] = Field(description="Where the tool stood, in the world.")
+    points_mm: Annotated[list[Point], _PLACES] = Field(
+        description="Measured tool positions, in the world frame."
+    )
     before_mm: Annotated[list[Point], _ERRORS] = Field(
-        description="Errors of the nominal robot, base and tool fitted."
+        description="Errors of the nominal robot with fitted base and tool."
     )
     after_mm: Annotated[list[Point], _ERRORS] = Field(description="Errors of the identified model.")
     times_before: float = Field(
-        description="How many times longer the errors are best drawn.", examples=[200.0]
+        description="Recommended magnification of the error vectors before identification.", examples=[200.0]
     )
     times_after: float = Field(examples=[2000.0])
-    poses: list[PoseReply] = Field(description="The arm where the identified model is worst, worst first.")
-    instrument_mm: Point | None = Field(description="Where the tracker stood; null: not known.")
-    total: int = Field(description="Readings, of which an even selection is given.", examples=[300])
+    poses: list[PoseReply] = Field(
+        description="Configurations with the largest errors of the identified model, largest first."
+    )
+    instrument_mm: Point | None = Field(description="Position of the tracker; null if not known.")
+    total: int = Field(
+        description="Total number of readings, of which an even selection is given.", examples=[300]
+    )
 
 
 class PlannedPlaceReply(Reply):
-    """Where a plan sends the arm."""
+    """Position and configuration at one stop of a plan."""
 
     config: int = Field(examples=[12])
     state: StopState = Field(examples=["measured"])
     place_mm: Annotated[Point, _PLACES] = Field(
-        description="Of the nest that is measured there, else of the flange; world."
+        description="Position of the measured nest, otherwise of the flange, in the world frame."
     )
     pieces_mm: Capsules = Field(
-        description="Arm, tool and bars as capsules: start (3), end (3) and radius, in the world.",
+        description="Arm, tool and bars as capsules: start (3), end (3) and radius, in the world frame.",
         examples=[[[0.0, 0.0, 0.0, 0.0, 0.0, 290.0, 90.0]]],
     )
 
 
 class PlanSpaceReply(Reply):
-    """A session in space, by the nominal robot."""
+    """A session in 3D, with the nominal robot."""
 
     robot: str = Field(examples=["ABB IRB 120"])
-    stops: list[PlannedPlaceReply] = Field(description="In the order of the plan; of many an even selection.")
-    next_config: int | None = Field(description="The configuration that comes next; null: none is left.")
-    fixed_mm: Annotated[list[Point], _PLACES] = Field(description="Fixed nests and cups, in the world.")
-    instrument_mm: Point | None = Field(description="Where the tracker stands; null: not known yet.")
+    stops: list[PlannedPlaceReply] = Field(
+        description="Configurations in the order of the plan; an even selection if there are many."
+    )
+    next_config: int | None = Field(description="Number of the next configuration; null if none is left.")
+    fixed_mm: Annotated[list[Point], _PLACES] = Field(description="Fixed nests and cups, in the world frame.")
+    instrument_mm: Point | None = Field(description="Position of the tracker; null if not known yet.")
 
 
 Errors = Annotated[
     list[list[float]],
     _ERRORS,
     Field(
-        description="Observed minus predicted: x, y, z of a position, one number of a length.",
+        description="Observed minus predicted: x, y, z for a position, one number for a length.",
         examples=[[[0.012, -0.004, 0.021]]],
     ),
 ]
 
 
 class VariableReply(Reply):
-    """What an error may depend on, of each reading."""
+    """A variable on which an error may depend, with its value at each reading."""
 
     name: str = Field(
-        description="joint, torque, reach, x, y, z, number, time, temperature or attachment.",
+        description="Name of the variable: joint, torque, reach, x, y, z, number, time, temperature or "
+        "attachment.",
         examples=["joint"],
     )
-    joint: int | None = Field(description="Of an angle or a torque; null otherwise.", examples=[4])
-    unit: str = Field(description="Empty of what is counted.", examples=["deg"])
+    joint: int | None = Field(
+        description="Number of the joint, for an angle or a torque; otherwise null.", examples=[4]
+    )
+    unit: str = Field(description="Unit of the values; empty for counts.", examples=["deg"])
     values: Annotated[Quantities, _VALUES] = Field(
-        description="Null where it is not known.", examples=[[12.5, -80.0]]
+        description="Value at each reading; null if not known.", examples=[[12.5, -80.0]]
     )
 
 
 class ResidualsReply(Reply):
-    """The readings of a result, a value of each column for each reading."""
+    """Residuals of a result, with one entry per reading in each list."""
 
     robot: str = Field(examples=["ABB IRB 120"])
     quantity: Quantity = Field(examples=["position"])
-    config: Integers = Field(description="Number of the configuration.", examples=[[1, 1, 2]])
-    nest: Integers = Field(description="Of the tool, from 1.", examples=[[1, 2, 1]])
+    config: Integers = Field(description="Configuration of each reading.", examples=[[1, 1, 2]])
+    nest: Integers = Field(description="Tool nest of each reading, starting at 1.", examples=[[1, 2, 1]])
     before_mm: Errors
     after_mm: Errors
     expected_mm: Annotated[list[float], _ERRORS] = Field(
-        description="Root mean square of the size to be expected of noise, scatter and the uncertain model.",
+        description="Expected RMS error from noise, repeatability and the uncertainty of the model.",
         examples=[[0.031, 0.029, 0.033]],
     )
     variables: list[VariableReply]
@@ -130,7 +145,7 @@ FirstConfig = Annotated[
     Query(
         ge=0,
         le=NUMBER_LIMIT,
-        description="A configuration whose arm comes first among the poses.",
+        description="Configuration to show first.",
         examples=[12],
     ),
 ]
@@ -138,21 +153,21 @@ FirstConfig = Annotated[
 
 @router.get("/identifications/{id}/space", responses=ACT)
 async def get_identification_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
-    """Show errors where the tool stood: at readings kept for validation, else at those identified from."""
+    """Return errors in 3D at the validation readings, or else at the calibration readings."""
     record = await here.results.identification(id)
     return await _space(here, record.model_id, record.campaign_id, config)
 
 
 @router.get("/validations/{id}/space", responses=ACT)
 async def get_validation_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
-    """Show errors where the tool stood, at the readings that judged the model."""
+    """Return errors in 3D at the readings used for the validation."""
     record = await here.results.validation(id)
     return await _space(here, record.model_id, record.campaign_id, config)
 
 
 @router.get("/diagnoses/{id}/space", responses=ACT)
 async def get_diagnosis_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
-    """Show errors where the tool stood: of the nominal robot, and of the model a diagnosis ends with."""
+    """Return errors in 3D of the nominal robot and of the extended model of a diagnosis."""
     record = await here.diagnoses.get(id)
     return await _space(here, record.model_id, record.campaign_id, config)
 
@@ -173,21 +188,21 @@ residuals_router = resource(tags=["residuals"])
 
 @residuals_router.get("/identifications/{id}/residuals", responses=ACT)
 async def get_identification_residuals(here: Here, id: Id) -> ResidualsReply:
-    """Show how far each reading is off: of those kept for validation, else of those identified from."""
+    """Return the residual of each validation reading, or else of each calibration reading."""
     record = await here.results.identification(id)
     return await _residuals(here, record.model_id, record.campaign_id)
 
 
 @residuals_router.get("/validations/{id}/residuals", responses=ACT)
 async def get_validation_residuals(here: Here, id: Id) -> ResidualsReply:
-    """Show how far each reading is off, of those that judged the model."""
+    """Return the residual of each reading used for the validation."""
     record = await here.results.validation(id)
     return await _residuals(here, record.model_id, record.campaign_id)
 
 
 @residuals_router.get("/diagnoses/{id}/residuals", responses=ACT)
 async def get_diagnosis_residuals(here: Here, id: Id) -> ResidualsReply:
-    """Show how far each reading is off: of the nominal robot, and of the model a diagnosis ends with."""
+    """Return the residuals of the nominal robot and of the extended model of a diagnosis."""
     record = await here.diagnoses.get(id)
     return await _residuals(here, record.model_id, record.campaign_id)
 

@@ -26,20 +26,20 @@ from truepose.web.schemas import RecordedAt, RecordId, Reply, Request, example
 
 
 class WatchLinkRequest(Request):
-    """For how long somebody may look at a session."""
+    """Validity of a watch link."""
 
     model_config = example({"hours": 12})
 
-    hours: int = Field(12, ge=1, le=24 * 31, description="After which it ends.")
+    hours: int = Field(12, ge=1, le=24 * 31, description="Hours until the link expires.")
 
 
 class WatchLinkReply(Reply):
-    """A link that lets whoever has it look at one session."""
+    """A link that gives read-only access to one session."""
 
     id: RecordId
     session_id: RecordId
     expires_at: RecordedAt
-    by: str = Field(description="Who made it.", examples=["Ada Byron"])
+    by: str = Field(description="Person who created the link.", examples=["Ada Byron"])
 
     @classmethod
     def about(cls, record: CredentialRecord) -> "WatchLinkReply":
@@ -51,21 +51,21 @@ class WatchLinkReply(Reply):
 
 
 class WatchLinksReply(Reply):
-    """All such links of a session."""
+    """All watch links of a session."""
 
     links: list[WatchLinkReply]
 
 
 class NewWatchLinkReply(Reply):
-    """A new link, and how it gets to a telephone."""
+    """A new watch link with its QR code."""
 
     link: WatchLinkReply
     url: str = Field(
-        description="Shown this once.",
+        description="Address of the link; it is not shown again.",
         examples=["http://localhost:8000/watch/5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
     )
     qr_svg: str = Field(
-        description="The same as a QR code, an SVG image as a data address.",
+        description="QR code of the link, as a data URL of an SVG image.",
         examples=["data:image/svg+xml;charset=utf-8,%3Csvg ... %3C/svg%3E"],
     )
 
@@ -81,7 +81,7 @@ _HOURS_A_DAY: Final = 24
 async def make_watch_link(
     here: Here, request: HttpRequest, asker: CurrentCaller, id: Id, wanted: WatchLinkRequest
 ) -> NewWatchLinkReply:
-    """Make a link, and its QR code, that shows one session to whoever has it, for looking at only."""
+    """Create a watch link to a session, with its QR code; it gives read-only access."""
     await here.sessions.get(id)
     record, secret = await here.people.accounts.make_watch_link(id, wanted.hours / _HOURS_A_DAY, asker)
     url = f"{request.base_url}watch/{secret}"
@@ -91,14 +91,14 @@ async def make_watch_link(
 
 @router.get("/sessions/{id}/watch-links", responses=READ)
 async def list_watch_links(here: Here, id: Id) -> WatchLinksReply:
-    """List the links that show a session."""
+    """List the watch links of a session."""
     await here.sessions.get(id)
     return WatchLinksReply(links=[WatchLinkReply.about(r) for r in _links(here, id)])
 
 
 @router.delete("/watch-links/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=ACT)
 async def revoke_watch_link(here: Here, asker: CurrentCaller, id: Id) -> None:
-    """Take a link back; who looks by it sees no more from this moment on."""
+    """Revoke a watch link; it stops showing the session at once."""
     if id not in {record.id for record in _links(here)}:
         raise UnknownPersonError(message("refused.no_watch_link", number=id))
     await here.people.accounts.register.revoke(id, by=asker.name)

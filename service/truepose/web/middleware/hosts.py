@@ -133,8 +133,9 @@ def _allowed(text: str) -> tuple[str | None, str]:
     name = None if found is None else _canonical(found[2])
     if found is None or name is None:
         raise UnusableHostError(
-            f"{text!r} cannot be an allowed host: give a name or an address as browsers show it, without "
-            "port and path, e.g. cell3.shop or 192.168.1.20, or https://cell3.shop behind a proxy with TLS."
+            f"{text!r} cannot be an allowed host: give a name or an address as shown in a "
+            "browser, without port and path, e.g. cell3.shop or 192.168.1.20, or "
+            "https://cell3.shop behind a TLS proxy."
         )
     return found[1] and found[1].lower(), name
 
@@ -183,12 +184,16 @@ def _network(told: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
         network = ipaddress.ip_network(told)
     except ValueError as error:
         raise UnusableProxyError(
-            f"{told!r} cannot be a proxy ({error}); give the address that it asks from, e.g. 127.0.0.1."
+            f"{told!r} cannot be a proxy ({error}); give the address from which the proxy "
+            "connects, e.g. 127.0.0.1."
         ) from error
     # Whoever reaches the service could then write any address into the header, and so pass every limit by
     # address.
     if not network.prefixlen:
-        raise UnusableProxyError(f"{told} is everybody, and anybody could say then who they are.")
+        raise UnusableProxyError(
+            f"{told} covers every address, so any client could pretend to be another. Give the "
+            "address of the proxy."
+        )
     return network
 
 

@@ -24,23 +24,23 @@ class Metrics:
         self._registry = CollectorRegistry()
         self._requests = Counter(
             "truepose_requests",
-            "Requests that were answered.",
+            "Number of requests answered.",
             ["operation", "status"],
             registry=self._registry,
         )
         self._latency = Histogram(
             "truepose_request_seconds",
-            "Until the head of the answer.",
+            "Time until the head of the response.",
             ["operation"],
             buckets=_REQUEST_S,
             registry=self._registry,
         )
         self._streams = Gauge(
-            "truepose_event_streams", "Event streams that are open.", registry=self._registry
+            "truepose_event_streams", "Number of open event streams.", registry=self._registry
         )
         self._commits = Histogram(
             "truepose_commit_seconds",
-            "Of a transaction, until it is on the disk.",
+            "Time until a transaction is on disk.",
             buckets=_COMMIT_S,
             registry=self._registry,
         )
@@ -75,26 +75,28 @@ class _StateCollector(Collector):
     def collect(self) -> Iterable[Metric]:
         state, records = self._state, self._state.records
         linked = {name: int(link.connected) for name, link in state.devices.items()}
-        yield _one("info", "Version of the program and schema of its database.", 1, **self._program)
-        yield _several("sessions", "Sessions by the state they are in.", "state", state.sessions)
-        yield _several("jobs", "Jobs by the state they are in.", "state", state.jobs)
+        yield _one("info", "Version of the software and schema of its database.", 1, **self._program)
+        yield _several("sessions", "Number of sessions by state.", "state", state.sessions)
+        yield _several("jobs", "Number of jobs by state.", "state", state.jobs)
         yield _durations(state)
-        yield _one("readings_stored", "Readings in the database.", records.readings)
-        yield _several("device_connected", "1: the link is open.", "device", linked)
-        yield _one("disk_free_bytes", "Where the database lies.", records.free_bytes)
+        yield _one("readings_stored", "Number of readings in the database.", records.readings)
+        yield _several("device_connected", "1 if the device is connected.", "device", linked)
+        yield _one("disk_free_bytes", "Free space on the disk of the database.", records.free_bytes)
         yield _one("database_bytes", "Size of the database and its log.", records.size_bytes)
-        yield _one("memory_bytes", "Of the process, in the computer's memory.", state.memory_bytes)
-        yield _one("records_refused", "1: the disk refuses records.", bool(records.refused))
-        yield _one("chain_links", "Records in the chain.", records.links)
-        yield _one("chain_damaged", "1: a record is not as it was written.", bool(records.damage))
+        yield _one("memory_bytes", "Memory used by the process.", state.memory_bytes)
+        yield _one("records_refused", "1 if the disk refuses records.", bool(records.refused))
+        yield _one("chain_links", "Number of entries in the hash chain.", records.links)
+        yield _one("chain_damaged", "1 if a record was altered.", bool(records.damage))
         if state.copies is not None and state.copies.age_s is not None:
-            yield _one("backup_age_seconds", "Since the newest copy was made.", state.copies.age_s)
-        yield _several("certificate_days_left", "Until it expires.", "artefact", state.certificates)
-        yield _one("log_lines_lost", "Lines that could not be written since the start.", state.lines_lost)
+            yield _one("backup_age_seconds", "Age of the latest backup.", state.copies.age_s)
+        yield _several(
+            "certificate_days_left", "Days until the certificate expires.", "artefact", state.certificates
+        )
+        yield _one("log_lines_lost", "Log lines that could not be written since the start.", state.lines_lost)
 
 
 def _durations(state: State) -> Metric:
-    family = SummaryMetricFamily("truepose_job_seconds", "Work of jobs that have ended.", labels=["kind"])
+    family = SummaryMetricFamily("truepose_job_seconds", "Run time of jobs that have ended.", labels=["kind"])
     for kind, (count, seconds) in state.job_seconds.items():
         family.add_metric([kind], count_value=count, sum_value=seconds)
     return family

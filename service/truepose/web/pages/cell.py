@@ -109,7 +109,9 @@ def _link_of(status: DeviceStatus) -> tuple[str, str]:
 
 
 _HANDED_DOWN: Final = 10  # each model among them is checked, which takes some tenths of a second
-Before = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Show what was handed down earlier.")]
+Before = Annotated[
+    int | None, Query(ge=1, le=NUMBER_LIMIT, description="Include plans and models pushed earlier.")
+]
 
 
 @router.get("/hand-downs", response_class=HTMLResponse)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/corrections", include_in_schema=False)
 _SHOWN: Final = 50
 _ROWS: Final = 200
-After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Show targets behind this one.")]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Only targets after this one.")]
 
 
 @router.get("", response_class=HTMLResponse)

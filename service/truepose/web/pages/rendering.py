@@ -167,7 +167,7 @@ Visited = Annotated[Visit, Depends(_visit)]
 
 
 _AT_ONCE_S: Final = 0.3  # that a page waits for what is quick to draw
-Whole = Annotated[bool, Query(description="Answer once everything of the page is drawn.")]
+Whole = Annotated[bool, Query(description="Respond once the whole page has been rendered.")]
 
 
 async def render_part(

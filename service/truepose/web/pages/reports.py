@@ -33,7 +33,9 @@ KINDS: Final[dict[str, ReportKind]] = {
 router = APIRouter(prefix="/reports", include_in_schema=False)
 _MONTH: Final = re.compile(r"\d{4}-\d{2}")
 _SIMULATED: Final = '<p class="simulated"'  # as the frame of a report says it
-Revision = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="By default the newest.")]
+Revision = Annotated[
+    int | None, Query(ge=1, le=NUMBER_LIMIT, description="Revision of the report; by default, the newest.")
+]
 
 
 @dataclass(frozen=True, slots=True)

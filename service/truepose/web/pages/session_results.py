@@ -36,10 +36,12 @@ class Choice:
     """What whoever reads a result may choose."""
 
     model_id: Annotated[
-        int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which judges; by default the newest one.")
+        int | None, Query(ge=1, le=NUMBER_LIMIT, description="Model to validate; by default, the newest.")
     ] = None  # that is the one that was to be proved, where there is one
     limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest error that passes.")] = None
-    rule: Annotated[DecisionRule, Query(description="How a limit counts the uncertainty.")] = "guard band"
+    rule: Annotated[
+        DecisionRule, Query(description="How the uncertainty is taken into account in the decision.")
+    ] = "guard band"
 
 
 Chosen = Annotated[Choice, Depends()]

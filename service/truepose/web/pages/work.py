@@ -39,9 +39,11 @@ NOUNS: Final = {
     "/readings": "/work?kind=campaigns",
     "/instruments": "/",
 }
-Searched = Annotated[str, Query(max_length=200, description="Name, serial number, person, cause or number.")]
-View = Annotated[str, Query(max_length=20, description="Which kinds of records; empty: all.")]
-PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Which part of the list.")]
+Searched = Annotated[
+    str, Query(max_length=200, description="Text to find: name, serial number, person, cause or number.")
+]
+View = Annotated[str, Query(max_length=20, description="Kinds of records; empty for all.")]
+PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Page of the list.")]
 
 
 async def noun_page(request: Request) -> RedirectResponse:

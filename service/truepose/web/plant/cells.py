@@ -30,46 +30,54 @@ from truepose.web.schemas import VISIBLE, PersonName, RecordedAt, RecordId, Repl
 
 
 class PlantHealth(Reply):
-    """Whether the plant works."""
+    """Health of the plant service."""
 
     status: Literal["ok", "degraded"]
     fault: str | None
     version: str = Field(examples=["0.1.0"])
     schema_revision: str = Field(alias="schema", examples=["0001"])
-    cells: int = Field(description="How many stand in the cells file.", examples=[2])
+    cells: int = Field(description="Number of cells in the cells file.", examples=[2])
     newest_copy_age_s: float | None = Field(
-        description="How old the newest copy of its database is; null: there is none, or none is wanted.",
+        description="Age of the latest backup of the database; null if there is none or backups are off.",
         examples=[3600.0],
     )
 
 
 class VisitReply(Reply):
-    """What came of a visit to a cell."""
+    """Result of a visit to a cell."""
 
     id: RecordId
     recorded_at: RecordedAt
     found_at: str = Field(
-        description="When a visit found this last, since the start of the plant; else as `recorded_at`.",
+        description="Time of the latest visit with this result, since the start of the plant; otherwise "
+        "equal to `recorded_at`.",
         examples=["2026-05-04T09:42:31.007+00:00"],
     )
     outcome: Literal["whole", "unreachable", "refused", "another_chain"]
-    sentence: str = Field(description="What is amiss and what to do; empty: nothing is.", examples=[""])
-    collected: int = Field(description="Links that it brought.", examples=[120])
-    newest: int | None = Field(description="Newest link there; null: no answer.", examples=[4711])
+    sentence: str = Field(description="Problem and remedy; empty if there is none.", examples=[""])
+    collected: int = Field(description="Number of chain entries collected by the visit.", examples=[120])
+    newest: int | None = Field(
+        description="Number of the newest chain entry of the cell; null if it did not respond.",
+        examples=[4711],
+    )
     head: str | None = Field(
-        description="Head of what was collected, as the cell's reports print it.",
+        description="Head hash of the collected entries, as printed in the cell's reports.",
         examples=["4711-K3QF-7ZWD-M2PA-XY5R"],
     )
-    clock_offset_s: float | None = Field(description="The cell's clock less the plant's.", examples=[-1.25])
-    clock_bound_s: float | None = Field(description="It is known within so much.", examples=[0.004])
-    version: str | None = Field(description="Of the cell's program.", examples=["0.1.0"])
+    clock_offset_s: float | None = Field(description="Cell clock minus plant clock.", examples=[-1.25])
+    clock_bound_s: float | None = Field(
+        description="Bound on the error of `clock_offset_s`.", examples=[0.004]
+    )
+    version: str | None = Field(description="Version of the cell's software.", examples=["0.1.0"])
 
 
 class PlantCellReply(Reply):
     """A cell of the plant."""
 
     name: str = Field(examples=["left arm"])
-    visited: bool = Field(description="False: it stands in the cells file no more; what was collected stays.")
+    visited: bool = Field(
+        description="False if the cell is no longer in the cells file; the collected records are kept."
+    )
     newest_visit: VisitReply | None
 
 
@@ -81,7 +89,7 @@ class VisitsReply(Reply):
 
 
 class BranchRequest(Request):
-    """Who accepts another chain of a cell, and why."""
+    """Person who accepts another chain of a cell, with the reason."""
 
     person: PersonName
     reason: str = Field(
@@ -90,26 +98,27 @@ class BranchRequest(Request):
 
 
 class PlantRecordReply(Reply):
-    """A link of a cell's chain with its record, as it was collected."""
+    """A collected entry of a cell's hash chain, with its record."""
 
     id: RecordId
     recorded_at: RecordedAt
     branch: int = Field(
-        description="Of the cell's chain; another one since a copy was put back.", examples=[1]
+        description="Branch of the cell's chain; a new branch begins after a backup was restored.",
+        examples=[1],
     )
-    link: int = Field(description="Its number in the cell's chain.", examples=[4711])
-    stream: int = Field(description="Number of its session; 0: it belongs to none.", examples=[3])
-    record: str = Field(description="What kind of record it is.", examples=["readings"])
-    record_id: int = Field(description="Its number in the cell.", examples=[3])
+    link: int = Field(description="Number of the entry in the cell's chain.", examples=[4711])
+    stream: int = Field(description="Number of the session; 0 if the record belongs to none.", examples=[3])
+    record: str = Field(description="Kind of record.", examples=["readings"])
+    record_id: int = Field(description="Number of the record in the cell.", examples=[3])
     hash: str = Field(
-        description="Of the link, in hexadecimal.",
+        description="Hash of the entry, in hexadecimal.",
         examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
     )
     row: dict[str, Any] | None = Field(
-        description="The record, every value with its kind; null: it never leaves the cell.",
+        description="The record, each value with its type; null if the record never leaves the cell.",
         examples=[{"id": 3, "time_s": {"float": "0.1"}}],
     )
-    verified: bool = Field(description="Whether the hash is that of the record.")
+    verified: bool = Field(description="True if the hash matches the record.")
 
 
 def visit_reply(record: VisitRecord) -> VisitReply:
@@ -143,7 +152,7 @@ KindOfRecord = Annotated[
         min_length=1,
         max_length=80,
         pattern=VISIBLE,
-        description="Only records of this kind, as `readings`, `deliveries` or `campaigns`.",
+        description="Only records of this kind, such as `readings`, `deliveries` or `campaigns`.",
         examples=["readings"],
     ),
 ]
@@ -151,7 +160,7 @@ KindOfRecord = Annotated[
 
 @router.get("", responses=LIST)
 async def list_plant_cells(here: PlantHere, paging: Counted) -> list[PlantCellReply]:
-    """List the cells, by name, with the newest visit to each."""
+    """List the cells by name, each with the latest visit."""
     newest = await here.visits.newest()
     return paging.of([*newest.items()], lambda item: _reply(here, *item))
 
@@ -160,7 +169,7 @@ async def list_plant_cells(here: PlantHere, paging: Counted) -> list[PlantCellRe
 async def list_plant_records(
     here: PlantHere, name: Name, paging: Paged, kind: KindOfRecord = None
 ) -> list[PlantRecordReply]:
-    """List what was collected from a cell, in order: all that is left of a cell whose disk is lost."""
+    """List the records collected from a cell, in order; they remain available if the cell's disk is lost."""
     if name not in await here.visits.newest():
         raise NotInPlantError(message("refused.no_cell", name=name))
     return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
@@ -168,7 +177,7 @@ async def list_plant_records(
 
 @router.get("/{name:cell_name}", responses=READ)
 async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
-    """Show a cell, and the latest visits to it, newest first."""
+    """Return a cell and the latest visits to it, newest first."""
     newest = await here.visits.newest()
     if name not in newest:
         raise NotInPlantError(message("refused.no_cell", name=name))
@@ -178,7 +187,7 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
 
 @router.post("/{name:path}/branches", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> PlantCellReply:
-    """Accept that a cell shows another chain than the one collected; it has a branch of its own."""
+    """Accept that a cell now has a different chain than the one collected; it becomes a new branch."""
     require_in_file(here, name)
     current_request().reason = wanted.reason
     await here.journal.accept_other_chain(name, wanted.person, wanted.reason)
@@ -188,7 +197,7 @@ async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> P
 
 @router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=READ)
 async def plan_visit(here: PlantHere, name: Name) -> PlantCellReply:
-    """Have a cell visited now, and not only when it is due."""
+    """Visit a cell now instead of at the next scheduled time."""
     require_in_file(here, name)
     here.collector.visit_soon(name)
     return _reply(here, name, (await here.visits.newest()).get(name))
@@ -210,9 +219,9 @@ health_router = outside_the_api(tags=["health"])
 
 @health_router.get("/health", responses=problems(503), response_model_by_alias=True)
 async def get_health(visit: Visited, here: PlantHere, response: Response) -> PlantHealth:
-    """Say that the plant works; a cell that is away is no fault of the plant.
+    """Return the health of the plant service; an unreachable cell is not a fault of the plant.
 
-    Strangers learn of a fault of the records that there is one, and not which.
+    Without signing in, a fault of the records is reported without details.
     """
     if here.database.condition.damaged:
         response.status_code = HTTPStatus.SERVICE_UNAVAILABLE
@@ -232,11 +241,11 @@ def _fault(here: PlantContext, *, known: bool) -> str | None:
     """Return what is amiss, of the records as anybody may hear it, or as those who are known may."""
     of_records = here.database.condition.fault
     if of_records is not None:
-        return of_records if known else "Something is amiss; sign in to see what."
+        return of_records if known else "There is a problem; sign in for details."
     if here.collector.has_ended:
-        return "No cell is visited any more; the log says why, and a new start begins again."
+        return "Cells are no longer visited. See the log for the reason, then restart the service."
     if here.copies is not None and here.copies.fault is not None:
-        return "No copy of the database could be made; the log says why."
+        return "The database could not be backed up. See the log for the reason."
     return None
 
 
@@ -246,6 +255,6 @@ async def _away(here: PlantContext, *, known: bool) -> str | None:
     if not why:
         return None
     said = (
-        "The workers of this plant cannot be used: robots are compared as far as campaigns were read before."
+        "The workers of this plant cannot be used, so robots are compared only with campaigns read earlier."
     )
     return f"{said} {why}" if known else said

@@ -25,30 +25,34 @@ from truepose.web.schemas import Reply
 
 
 class PlantChangeReply(Reply):
-    """What changed of a robot, or a certificate that ended."""
+    """A change of a robot, or an expired certificate."""
 
     what: Literal["error", "cause_named", "cause_gone", "model", "certificate"]
     sentence: str = Field(
-        description="With its figures, in English.",
+        description="Description of the change with its figures, in English.",
         examples=[
             "Mean error of the identified model rose from 0.041 mm on 2026-04-02 to 0.055 mm on 2026-05-04 "
             "(identification 12)."
         ],
     )
-    robot_serial_number: str = Field(description="Empty: it is of no robot.")
-    instrument_serial_number: str = Field(description="Of a certificate.", examples=[""])
+    robot_serial_number: str = Field(
+        description="Serial number of the robot; empty if no robot is concerned."
+    )
+    instrument_serial_number: str = Field(
+        description="Serial number of the instrument, for a certificate.", examples=[""]
+    )
     cell: str = Field(examples=["left arm"])
-    kind: ToldKind | None = Field(description="Of the record that says so; null: of a certificate.")
-    record_id: int | None = Field(description="Its number in the cell.", examples=[12])
+    kind: ToldKind | None = Field(description="Kind of record that shows the change; null for a certificate.")
+    record_id: int | None = Field(description="Number of the record in the cell.", examples=[12])
     page: str = Field(
-        description="Where the cell shows it; empty: nowhere.",
+        description="Page of the record in the cell; empty if there is none.",
         examples=["https://cell-3.example:8443/identifications/12"],
     )
     before_mm: float | None = Field(
-        description="The error before; null: there is none to compare with, or it is of something else.",
+        description="Earlier error; null if there is none to compare with or the change is not an error.",
         examples=[0.041],
     )
-    after_mm: float | None = Field(description="The error now.", examples=[0.055])
+    after_mm: float | None = Field(description="Present error.", examples=[0.055])
 
 
 router = resource("/plant/changes", tags=["plant"])
@@ -84,7 +88,7 @@ async def since_a_week(
 
 @router.get("", responses=LIST)
 async def list_plant_changes(here: PlantHere, paging: Counted) -> list[PlantChangeReply]:
-    """List what changed since the day a week ago began (UTC): robots whose error grew most come first."""
+    """List the changes since the start of the day one week ago (UTC), largest increase in error first."""
     today = datetime.now(UTC).date()
     papers, robots = await here.certificates.that_count(), await here.overview.robots(latest_day(today))
     found = await since_a_week(here, papers, robots, today)

@@ -13,20 +13,20 @@ from truepose.web.schemas import VISIBLE, FreeDocument, PersonName, RecordedAt, 
 
 
 class HandDownRequest(Request):
-    """A plan or a model for a cell."""
+    """A plan or a model to push to a cell."""
 
     cell: str = Field(min_length=1, max_length=200, examples=["left arm"])
     kind: Literal["plan", "model"]
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["monthly check"])
     person: PersonName
     document: FreeDocument = Field(
-        description="Of a plan, what `POST /sessions` of the cell takes; of a model, the model.",
+        description="For a plan, the body of `POST /sessions` of the cell; for a model, the model.",
         examples=[{"name": "monthly check"}],
     )
 
 
 class HandDownReply(Reply):
-    """A plan or a model for a cell, and whether the cell has it."""
+    """A plan or a model pushed to a cell, with its delivery state."""
 
     id: RecordId
     recorded_at: RecordedAt
@@ -36,9 +36,11 @@ class HandDownReply(Reply):
     person: str
     document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
     state: Literal["waiting", "delivered", "refused"]
-    sentence: str = Field(description="What the cell said; empty: nothing.", examples=[""])
+    sentence: str = Field(description="Message from the cell; empty if there is none.", examples=[""])
     state_since: RecordedAt
-    number_in_cell: int | None = Field(description="Its number there; null: it is not there.", examples=[3])
+    number_in_cell: int | None = Field(
+        description="Number in the cell; null if it is not there.", examples=[3]
+    )
 
 
 def hand_down_reply(record: HandDownRecord) -> HandDownReply:
@@ -53,7 +55,7 @@ router = resource("/plant/hand-downs", tags=["plant"])
 async def add_hand_down(
     here: PlantHere, wanted: HandDownRequest, response: Response, key: OptionalKey
 ) -> HandDownReply:
-    """Hand a plan or a model down to a cell. A person there uses it, or nobody does: nothing moves by it."""
+    """Push a plan or a model to a cell. Nothing moves; it is used only if a person there chooses to."""
     require_in_file(here, wanted.cell)
     told = HandDown(wanted.cell, HandDownKind(wanted.kind), wanted.name, wanted.person, wanted.document)
     number = await here.hand_downs.add(told, key)
@@ -64,11 +66,11 @@ async def add_hand_down(
 
 @router.get("", responses=LIST)
 async def list_plant_hand_downs(here: PlantHere, paging: Paged) -> list[HandDownReply]:
-    """List what was handed down, oldest first, with its state."""
+    """List the pushed plans and models with their state, oldest first."""
     return paging.shown(await here.hand_downs.page(paging.page), hand_down_reply)
 
 
 @router.get("/{id}", responses=READ)
 async def get_plant_hand_down(here: PlantHere, id: Id) -> HandDownReply:
-    """Show what was handed down, and whether the cell has it."""
+    """Return a pushed plan or model with its delivery state."""
     return hand_down_reply(await here.hand_downs.get(id))

@@ -17,29 +17,29 @@ from truepose.web.plant.context import PlantHere
 from truepose.web.resources import LIST, LIST_OF_RECORD, READ, Id, Paged, resource
 from truepose.web.schemas import RecordId, Reply
 
-_DAY = "A day, by the cell's clock; empty: nobody said it."
+_DAY = "A date by the cell's clock; empty if not stated."
 
 
 class SeenRobotReply(Reply):
-    """A robot that some cell measured."""
+    """A robot measured in some cell."""
 
     serial_number: str
-    robot: str = Field(description="Its type.")
-    cell: str = Field(description="Where it was measured last; empty: nothing came of it yet.")
-    results: int = Field(description="What was measured and made of it.", examples=[12])
+    robot: str = Field(description="Robot type.")
+    cell: str = Field(description="Cell that measured it last; empty if there is no result yet.")
+    results: int = Field(description="Number of measurements and results.", examples=[12])
     last_measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
 
 class SeenInstrumentReply(Reply):
-    """An instrument that measured in some cell."""
+    """An instrument used in some cell."""
 
     serial_number: str
-    results: int = Field(description="What was made of its readings.", examples=[12])
+    results: int = Field(description="Number of results from its readings.", examples=[12])
     last_measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
 
 class DayReply(Reply):
-    """How much was measured on one day."""
+    """Measurements of one day."""
 
     cell: str = Field(examples=["left arm"])
     measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
@@ -49,24 +49,24 @@ class DayReply(Reply):
 
 
 class PlantResultReply(Reply):
-    """A campaign, what was made of it, or a report."""
+    """A campaign, a result or a report."""
 
     id: RecordId
     cell: str = Field(examples=["left arm"])
     kind: ResultKind
-    record_id: int = Field(description="Its number in the cell.", examples=[3])
+    record_id: int = Field(description="Number of the record in the cell.", examples=[3])
     name: str
-    robot: str = Field(description="Its type.")
+    robot: str = Field(description="Robot type.")
     robot_serial_number: str
     instrument_serial_number: str = Field(examples=["391234"])
     measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
     clock_offset_s: float | None = Field(
-        description="The cell's clock less the plant's when it was collected.", examples=[-1.25]
+        description="Cell clock minus plant clock at the time of collection.", examples=[-1.25]
     )
 
 
 class RobotLifeReply(Reply):
-    """A robot, and what was measured and made of it, newest day first."""
+    """A robot with its measurements and results, newest day first."""
 
     robot: SeenRobotReply
     days: list[DayReply]
@@ -74,21 +74,21 @@ class RobotLifeReply(Reply):
 
 
 class StatedCertificateReply(Reply):
-    """A certificate that a cell stated, and how it stands today."""
+    """A certificate stated by a cell, and its present state."""
 
-    what: str = Field(description="Of what it is, as the cell calls it.", examples=["tracker"])
+    what: str = Field(description="Artefact or instrument, as named by the cell.", examples=["tracker"])
     certificate: str = Field(examples=["ISO 10360-10 report 2026-0815"])
-    expires: str = Field(description="ISO date; empty: nobody said it.", examples=["2027-03-31"])
-    standing: Standing = Field(description="`ends soon`: 30 days or less are left.")
-    cell: str = Field(description="Which stated it first.", examples=["left arm"])
+    expires: str = Field(description="Expiry date (ISO); empty if not stated.", examples=["2027-03-31"])
+    standing: Standing = Field(description="`ends soon`: 30 days or less remain.")
+    cell: str = Field(description="Cell that stated it first.", examples=["left arm"])
     stated_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
 
 class InstrumentLifeReply(Reply):
-    """An instrument, and what was measured with it, newest day first."""
+    """An instrument with its measurements, newest day first."""
 
     instrument: SeenInstrumentReply
-    certificates: list[StatedCertificateReply] = Field(description="The one that holds longest first.")
+    certificates: list[StatedCertificateReply] = Field(description="Certificates, latest expiry date first.")
     days: list[DayReply]
     results: list[PlantResultReply]
 
@@ -132,7 +132,7 @@ async def list_seen_robots(here: PlantHere, paging: Paged) -> list[SeenRobotRepl
 
 @router.get("/robots/{serial:path}", responses=READ)
 async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
-    """Show the life of a robot: what was measured of it on which day, and what was made of that."""
+    """Return the history of a robot: its measurements by day, and the results."""
     return RobotLifeReply.of(
         robot=await here.looks.robot(serial, _upto()),
         days=await here.looks.days_of_robot(serial),
@@ -148,7 +148,7 @@ async def list_seen_instruments(here: PlantHere, paging: Paged) -> list[SeenInst
 
 @router.get("/instruments/{serial:path}", responses=READ)
 async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLifeReply:
-    """Show the life of an instrument: what it measured on which day, in which cell."""
+    """Return the history of an instrument: its measurements by day and cell."""
     return InstrumentLifeReply.of(
         instrument=await here.looks.instrument(serial, _upto()),
         certificates=[
@@ -162,13 +162,13 @@ async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLife
 
 @router.get("/{kind}", responses=LIST_OF_RECORD)
 async def list_plant_results(here: PlantHere, kind: Kinds, paging: Paged) -> list[PlantResultReply]:
-    """List what was measured or made, in the order in which it was collected."""
+    """List measurements and results in the order in which they were collected."""
     return paging.shown(await here.looks.results(_TABLES[kind], paging.page), PlantResultReply.of)
 
 
 @router.get("/{kind}/{id}/record", responses=READ)
 async def get_plant_record(here: PlantHere, kind: Kinds, id: Id) -> dict[str, Any]:
-    """Give a record as it came from the cell, every value with its kind."""
+    """Return a record as collected from the cell, each value with its type."""
     result = await here.looks.result(id)
     content = await here.journal.content(result.branch_id, kind, result.record_id)
     if result.kind != _TABLES[kind] or content is None:

@@ -30,7 +30,7 @@ async def test_a_stranger_does_not_learn_what_is_amiss(house_in_trouble):
         sign_in = (await stranger.get("/sign-in", headers=HTML)).text
 
     assert (health["status"], health["verdict"]) == ("degraded", "bad")
-    assert health["fault"] == "Something is amiss; sign in to see what."
+    assert health["fault"] == "There is a problem; sign in for details."
     assert "Record 3" not in page + sign_in
 
 

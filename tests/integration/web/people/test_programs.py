@@ -90,8 +90,8 @@ async def test_whom_a_plant_names_is_marked_as_said_by_it(house):
         handed = await plant.post("/api/v1/hand-downs", json=PLAN, headers={"Idempotency-Key": "said-1"})
         page = (await ada.get("/hand-downs")).text
         await house.here.log.written()
-        (act,) = (await ada.get("/api/v1/audit", params={"search": "as the plant says"})).json()["acts"]
+        (act,) = (await ada.get("/api/v1/audit", params={"search": "according to the plant"})).json()["acts"]
 
     assert (handed.json()["person"], handed.json()["said_by"]) == ("Ada Byron", "plant")
     assert "Sent by Ada Byron, according to the plant plant," in page
-    assert (act["person"], act["reason"]) == ("plant", "handed down by Ada Byron, as the plant says")
+    assert (act["person"], act["reason"]) == ("plant", "pushed by Ada Byron, according to the plant")
