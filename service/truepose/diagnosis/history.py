@@ -168,7 +168,7 @@ class DatedDiagnosis:
 
 
 class Sighting(StrEnum):
-    """What a diagnosis says of a cause."""
+    """Result of a diagnosis for one cause."""
 
     FOUND = "found"
     WITH_OTHERS = "with_others"  # found on several joints or links together

@@ -97,7 +97,7 @@ class SpherePlanRequest:
 
 
 class StepKind(StrEnum):
-    """What a step asks for."""
+    """Kind of a step."""
 
     INITIALISE = "initialise"  # person: ballbar on the calibrator; its zero is read
     MEASURE_SIDE = "measure_side"  # person: ballbar between two nests of one triangle; a length is read

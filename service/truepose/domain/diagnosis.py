@@ -44,7 +44,7 @@ HeldOut = Literal["validation", "cross_validation"]
 
 
 class Verdict(StrEnum):
-    """What the data say of the present model."""
+    """Verdict on the present model."""
 
     CONSISTENT = "consistent"
     EXPLAINED = "explained"
@@ -53,7 +53,7 @@ class Verdict(StrEnum):
 
 
 class Confidence(StrEnum):
-    """How far a name can be defended."""
+    """Confidence in a finding."""
 
     CERTAIN = "certain"
     LIKELY = "likely"

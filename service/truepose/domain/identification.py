@@ -80,7 +80,7 @@ class Parameter:
 
 
 class Status(StrEnum):
-    """How an identification ended."""
+    """Outcome of an identification."""
 
     # Also where something is undetermined: predictions near the data are good then, and the covariance says
     # where they are not (docs/decisions/0004).

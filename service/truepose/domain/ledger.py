@@ -28,7 +28,7 @@ BALLBAR_ON: Final = "ballbar-on"  # it read a length within its range
 
 
 class EntryKind(StrEnum):
-    """What a line of the ledger says."""
+    """Kind of a ledger entry."""
 
     SHOWN = "shown"  # a prompt was shown
     CONFIRMED = "confirmed"  # a person did what was asked, or confirmed that the cell is clear

@@ -105,7 +105,7 @@ def announced_as(name: str, people: Iterable[str]) -> str | None:
 
 
 class Role(StrEnum):
-    """What somebody may do."""
+    """Role of a person or program."""
 
     VIEWER = "viewer"  # looks, and stops what moves
     OPERATOR = "operator"  # measures

@@ -35,8 +35,9 @@ Vector = tuple[float, float, float]
 
 
 class SessionState(StrEnum):
-    """Where a session stands; `sessions.engine.states` holds the table of transitions."""
+    """State of a session."""
 
+    # `sessions.engine.states` holds the table of transitions.
     PLANNED = "planned"
     RUNNING = "running"
     # Some controllers cannot stop a motion: between the wish and its effect the arm still goes.

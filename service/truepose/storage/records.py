@@ -153,7 +153,7 @@ class CampaignSummary:
 
 
 class JobKind(StrEnum):
-    """What a job makes."""
+    """Kind of a job, named after its result."""
 
     IDENTIFICATION = "identification"
     VALIDATION = "validation"
@@ -165,7 +165,7 @@ class JobKind(StrEnum):
 
 
 class JobState(StrEnum):
-    """Where a job stands; the last four are final."""
+    """State of a job; the last four are final."""
 
     QUEUED = "queued"
     RUNNING = "running"

@@ -37,7 +37,7 @@ _ENDS: Final[dict[EntryKind, OutcomeKind]] = {
 
 
 class Answer(StrEnum):
-    """What a person says to a suspicion."""
+    """Answer of a person to a suspicion."""
 
     RIGHT_PAIR = "right_pair"  # the reading is stored, with the doubt kept beside it
     RECONNECTED = "reconnected"  # it is read again

@@ -9,7 +9,7 @@ from truepose.messages.message import Text
 
 
 class CommandName(StrEnum):
-    """One button."""
+    """Name of an operator command."""
 
     START = "start"
     CONFIRM = "confirm"  # what is asked is done; of a motion: the cell is clear

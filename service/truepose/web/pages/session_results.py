@@ -38,7 +38,7 @@ class Choice:
     model_id: Annotated[
         int | None, Query(ge=1, le=NUMBER_LIMIT, description="Model to validate; by default, the newest.")
     ] = None  # that is the one that was to be proved, where there is one
-    limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest error that passes.")] = None
+    limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest permissible error.")] = None
     rule: Annotated[
         DecisionRule, Query(description="How the uncertainty is taken into account in the decision.")
     ] = "guard band"

@@ -216,7 +216,7 @@ class ArrivalReply(Reply):
 
 
 class PreCalibrationReply(Reply):
-    """Result of the preliminary calibration halfway through the session."""
+    """Result of the pre-calibration halfway through the session."""
 
     rms_mm: float = Field(description="RMS residual of the lengths used.")
     configurations: int
