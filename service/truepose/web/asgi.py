@@ -136,7 +136,15 @@ def _complete_openapi(app: FastAPI) -> None:
             schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
             schemas["Problem"] = problems.Problem.model_json_schema()
             correct_parameters(app.openapi_schema)
+            _summarise(app.openapi_schema)
             add_examples(app.openapi_schema)
         return app.openapi_schema
 
     app.openapi = document  # type: ignore[method-assign]  # the framework's own way to extend it
+
+
+def _summarise(document: dict[str, Any]) -> None:
+    """Let the first line of each description be its summary; the framework's is the name of a function."""
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            operation["summary"] = operation["description"].partition("\n")[0].rstrip(".")

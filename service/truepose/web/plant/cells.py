@@ -187,7 +187,7 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
 
 @router.post("/{name:path}/branches", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> PlantCellReply:
-    """Accept that a cell now has a different chain than the one collected; it becomes a new branch."""
+    """Accept that a cell now has a different chain from the one collected; it becomes a new branch."""
     require_in_file(here, name)
     current_request().reason = wanted.reason
     await here.journal.accept_other_chain(name, wanted.person, wanted.reason)

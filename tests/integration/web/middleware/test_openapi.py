@@ -169,6 +169,13 @@ def test_every_operation_lists_its_problems_and_says_what_it_does(document, meth
         assert {"413", "415", "422"} <= operation["responses"].keys()
 
 
+def test_the_summary_of_an_operation_says_what_it_does(document):
+    shown = document["paths"]["/api/v1/drafts"]["get"]
+
+    assert shown["summary"] == "List drafts, latest first; there are 20 at most"
+    assert shown["description"] == f"{shown['summary']}."
+
+
 BEGINS_WITH_A_VERB = re.compile(
     r"("
     r"accept|add|cancel|change|choose|claim|close|command|compare|confirm|connect|correct|diagnose|"
