@@ -85,7 +85,7 @@ class _Answer:
             "status": status,
             "ms": round(1000 * (time.perf_counter() - self._begun_s), 1),
         }
-        became = "nobody waited for its answer" if status is None else f"answered with {status}"
+        became = "client disconnected before the response" if status is None else f"answered with {status}"
         _LOG.log(_level(operation, status), "%s: %s", operation, became, extra={"fields": told})
 
     # Read when it is asked for: the route is found while the request is under way.

@@ -162,7 +162,7 @@ def require_complete(operations: Iterable[str]) -> None:
     missing = sorted(set(operations) - LEAST.keys())
     if missing:
         raise MissingRightError(
-            f"Nobody has said who may ask for {', '.join(missing)}: give each its least role in "
+            f"No minimum role is defined for {', '.join(missing)}. Add one for each in "
             "truepose/web/middleware/rights.py."
         )
 
