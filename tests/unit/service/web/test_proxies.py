@@ -46,8 +46,8 @@ def test_who_asks_is_whom_a_proxy_has_seen(told, peer, forwarded, asks):
         ("proxy.shop", "give the address"),
         ("192.168.1.2:80", "give the address"),
         ("192.168.1.2/24", "has host bits set"),
-        ("0.0.0.0/0", "is everybody"),
-        ("::/0", "is everybody"),
+        ("0.0.0.0/0", "covers every address"),
+        ("::/0", "covers every address"),
         ("", "give the address"),
     ],
 )
