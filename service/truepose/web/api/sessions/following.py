@@ -161,7 +161,7 @@ async def get_scene(here: Here, id: Id, kind: Kind) -> Reply:
 
 @router.get("/sheet", responses=ACT)
 async def get_sheet(here: Here, id: Id) -> SheetReply:
-    """Return the readings of a session without a ballbar: warm-up, fixed nests, repeats, configurations."""
+    """Return the readings of a session without a ballbar: warm-up, fixed nests and configurations."""
     return SheetReply.of(await here.guided_sessions.sheet(id))
 
 
