@@ -296,7 +296,7 @@ def _warn_of_pins(accounts: Accounts) -> None:
     gone = sum(not accounts.pins.counts(record.hash) for record in kept)
     if gone:
         _LOG.warning(
-            "%d PINs are no longer valid because the database was restored or moved: backups hold no PINs. "
+            "PINs (%d) are no longer valid because the database was restored or moved: backups hold no PINs. "
             "Passwords are still valid; each person sets a new PIN at /account.",
             gone,
         )

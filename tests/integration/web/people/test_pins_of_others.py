@@ -59,5 +59,5 @@ async def test_after_a_restore_passwords_count_and_pins_are_chosen_anew(settings
     assert "choose a PIN at /account" in by_pin.json()["detail"]
     assert (chosen.status_code, anew.status_code) == (200, 200)
     assert ([one["has_pin"] for one in people], offered) == ([False], [])
-    assert "1 PINs do not count here" in caplog.text
+    assert "PINs (1) are no longer valid because the database was restored" in caplog.text
     assert database_file(settings.database_url).with_name("truepose.sqlite3.pins").exists()
