@@ -48,7 +48,8 @@ def measured(url, id):
 
 def test_a_session_is_walked_through_on_the_page_alone(chromium, session):
     url, id = session
-    with a_tablet(chromium, url) as page:
+    # On a busy machine a confirmation may come so late that the service refuses it, and is given again.
+    with a_tablet(chromium, url, may_fail=True) as page:
         page.goto(f"{url}/operator")
         page.locator("#sessions a").click()
         page.locator("body[data-screen=planned]").wait_for()
