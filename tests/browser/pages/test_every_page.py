@@ -14,6 +14,7 @@ from tests.browser.windows import without_complaint
 from tests.helpers.machine import HANGS_S
 
 TABLET, PHONE = {"width": 1180, "height": 820}, {"width": 390, "height": 844}
+DESKTOP = {"width": 1440, "height": 900}
 HEAVIEST = 400_000  # bytes
 REFUSED = {"/not-yours": ["Failed to load resource: the server responded with a status of 403"]}
 
@@ -61,6 +62,24 @@ def assert_held(page, traffic):
 def test_a_page_can_be_read_pressed_and_loaded_by_everybody(chromium, shop, address):
     with opened(chromium, shop, shop + address) as (page, traffic):
         assert_held(page, traffic)
+
+
+# What is wholly on the screen, as it is before anybody scrolls.
+_IN_SIGHT = """nodes => nodes.filter((node) => {
+  const { top, bottom, height } = node.getBoundingClientRect();
+  return height > 0 && top >= 0 && bottom <= innerHeight; }).map((node) => node.innerText)"""
+
+
+@pytest.mark.parametrize("kind", ["identifications", "diagnoses", "validations", "models"])
+def test_the_first_screen_of_a_result_has_its_sentence_its_figures_and_the_next_step(chromium, shop, kind):
+    with opened(chromium, shop, f"{shop}/{kind}/1") as (page, _):
+        page.set_viewport_size(DESKTOP)
+
+        (outcome,) = page.locator(".outcome").evaluate_all(_IN_SIGHT)
+        steps = page.locator(".next-step .main").evaluate_all(_IN_SIGHT)
+
+    assert re.search(r"before \(nominal\), \d.* mm after", outcome)
+    assert len(steps) == 1
 
 
 @pytest.mark.parametrize("place", SIGNED_IN)
