@@ -55,7 +55,16 @@ def diagnose(
     UnknownEffectError, ConfigurationError
         The request cannot be understood.
     """
-    tell = progress or _silent
+    answer = _diagnosed(campaign, effects, progress or _silent, without)
+    aside = campaign.set_aside
+    if aside is None:
+        return answer
+    return replace(answer, message=together(answer.message, aside.sentence), set_aside=aside)
+
+
+def _diagnosed(
+    campaign: Campaign, effects: tuple[str, ...] | None, tell: Progress, without: tuple[str, ...]
+) -> Diagnosis:
     tell(0.02, message("job.doing.fitting"))
     # What no place of the arm gives leaves before anything is squared; left in, it would spoil the first fit.
     reached = within_reach(with_last_moves(campaign))

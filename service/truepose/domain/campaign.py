@@ -14,7 +14,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray, Table, distinct_values
 from truepose.domain.contacts import Target
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
-from truepose.messages.message import Text
+from truepose.messages.message import Message, Text, message
 
 Quantity = Literal["position", "length"]  # what the readings of a campaign are of
 NO_AXIS = -1  # of a reading that is along no axis of a sensor
@@ -220,6 +220,39 @@ class TargetDistances:
 
 
 @dataclass(frozen=True, slots=True)
+class ReadingName:
+    """What tells a reading from the others of its campaign."""
+
+    config: int
+    nest: int  # of the tool, 1-based
+    base_point: int | None = None  # of a length; None: from whichever
+    target: int | None = None  # of a contact; None: against whichever
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingsSetAside:
+    """Readings without which a person wants a campaign to be analysed, and why."""
+
+    readings: tuple[ReadingName, ...]
+    reason: str
+    person: str
+    rows: tuple[int, ...] = ()  # of their table, ascending; a sensor has one for each of its axes
+
+    @property
+    def sentence(self) -> Message:
+        """What whoever reads a result made without them has to know."""
+        # It is closed by the catalogue, whose languages have full stops of their own.
+        reason = self.reason.strip().rstrip(".。")
+        return message("set_aside", n=len(self.rows), person=self.person, reason=reason)
+
+    def row_in_table(self, row: int) -> int:
+        """Return where a reading stands in its table, by its row among those that are left."""
+        for aside in self.rows:
+            row += aside <= row
+        return row
+
+
+@dataclass(frozen=True, slots=True)
 class Campaign:
     """One robot, one set-up, its readings and what is known beforehand."""
 
@@ -259,6 +292,7 @@ class Campaign:
     notes: tuple[str, ...] = ()
     # Told, not dropped: a misspelt column would else count as one that was never measured.
     ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
+    set_aside: ReadingsSetAside | None = None  # by a person, of the readings that identify; in no table
 
     @property
     def identified_from(self) -> IdentifyingTable | None:

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import ReadingsSetAside
 from truepose.domain.identification import Model, Statistics
 from truepose.messages.message import Text
 
@@ -267,6 +268,7 @@ class Diagnosis:
     # Of the robot as its maker describes it, on the same readings as `before` and `after`: those start from a
     # model that is fitted already, and a calibration that halved every error read as one that did nothing.
     nominal: Statistics | None = None  # None in what was stored before it was told
+    set_aside: ReadingsSetAside | None = None  # by a person; None: all readings took part
 
     @property
     def all_findings(self) -> tuple[Finding, ...]:

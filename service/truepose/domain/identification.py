@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Literal
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import ReadingsSetAside
 from truepose.domain.contacts import Target
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.messages.message import Text
@@ -268,6 +269,7 @@ class Identification:
     relative: NominalAndIdentified | None = None  # held-out positions after the best rigid alignment
     calibration_turns: TurnPair | None = None  # None: no orientations were used
     validation_turns: TurnPair | None = None
+    set_aside: ReadingsSetAside | None = None  # by a person; None: all readings took part
 
     @property
     def judging(self) -> NominalAndIdentified | None:

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import distinct_values
-from truepose.domain.campaign import Campaign, sites
+from truepose.domain.campaign import Campaign, ReadingsSetAside, sites
 from truepose.domain.identification import (
     Counts,
     Identification,
@@ -92,7 +92,26 @@ def identify(
     UnknownEffectError, ConfigurationError
         The request cannot be understood.
     """
-    tell = progress or _silent
+    answer = _identified(campaign, effects, progress or _silent, believed)
+    return answer if campaign.set_aside is None else _made_without(answer, campaign.set_aside)
+
+
+def _made_without(answer: Identification, aside: ReadingsSetAside) -> Identification:
+    """Return the answer with the readings that a person had set aside before, by their rows in the table."""
+    return replace(
+        answer,
+        message=together(answer.message, aside.sentence),
+        outliers=tuple(replace(one, row=aside.row_in_table(one.row)) for one in answer.outliers),
+        set_aside=aside,
+    )
+
+
+def _identified(
+    campaign: Campaign,
+    effects: tuple[str, ...] | list[str] | None,
+    tell: Progress,
+    believed: JointPrior | None,
+) -> Identification:
     chosen = automatic_effects(campaign) if effects is None else chosen_effects(effects)
     tell(0.05, message("job.doing.placing"))
     # Before anything is placed: a search among too few readings finds some place for anything.

@@ -150,11 +150,13 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
     stops, held_out = fits.identified.blocks[0].targets.stops, fits.campaign.held_out
     # Readings that judge the model were taken in the same campaign: what drifted was followed until then.
     judging = () if held_out is None else (held_out.stops,)
+    aside = fits.campaign.set_aside
     return {
         "robot": fits.campaign.robot.name,
         "configurations": len(distinct_values(sites(stops))),
         "readings": len(stops),
         "readings_without_weight": fits.identified.without_weight,
+        **({} if aside is None else {"readings_set_aside": len(aside.rows)}),
         "chi2_per_dof": fits.identified.chi2_per_dof,
         **span_of_readings((stops, *judging), fits.identified.structure.origin_s),
     }

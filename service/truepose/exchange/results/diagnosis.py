@@ -18,6 +18,7 @@ from truepose.exchange.results.document import (
     SpokenOutcome,
     StatisticsDocument,
 )
+from truepose.exchange.results.set_aside import SetAside
 from truepose.validation.outcome import outcome_of
 
 
@@ -238,6 +239,7 @@ class DiagnosisDocument(Document):
     ruled_out: list[RuledOutDocument]
     withdrawn: list[Spoken]
     noise: NoiseDocument | None
+    set_aside: SetAside = None
 
 
 def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:

@@ -23,6 +23,7 @@ from truepose.exchange.results.document import (
     TurnPairDocument,
     in_file_unit,
 )
+from truepose.exchange.results.set_aside import SetAside
 from truepose.identification.resampling import Spread, Way
 from truepose.validation.outcome import outcome_of
 
@@ -123,6 +124,7 @@ class IdentificationDocument(Document):
     pure_error: PureErrorDocument | None = Field(
         description="Statistics of repeat measurements; null if no configuration was repeated."
     )
+    set_aside: SetAside = None
 
     @classmethod
     def of_robot(cls, identification: Identification, robot: str) -> Self:

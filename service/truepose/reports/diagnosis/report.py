@@ -9,6 +9,7 @@ from markupsafe import Markup
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Confidence, Dependence, Diagnosis, Finding, NextMeasurement
 from truepose.domain.identification import Model, Statistics
+from truepose.domain.set_aside import listed
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text
 from truepose.reports.captions import (
@@ -72,6 +73,7 @@ class DiagnosisReport(Report):
             "campaign": self.campaign or _named_campaign(diagnosis.model),
             "stated_conditions": tuple(_stated(self.conditions, words)),
             "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None, words=words),
+            "set_aside": listed(diagnosis.set_aside),
             "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model, words)),
             "findings": blocks[:counted],
             "small": blocks[counted:],

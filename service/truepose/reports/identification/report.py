@@ -7,9 +7,10 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.identification import Identification
+from truepose.domain.set_aside import listed
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import Catalogue
-from truepose.messages.message import Text
+from truepose.messages.message import Text, together
 from truepose.reports.captions import figure_captions
 from truepose.reports.cover_page import Front, error_bars, graded
 from truepose.reports.error_tables import error_table, figures_row, turns_table
@@ -87,6 +88,7 @@ class IdentificationReport(Report):
             "draws": DRAWS,
             "parameters": parameter_rows(identification, campaign, words),
             "diagnosis": self.diagnosis,
+            "set_aside": listed(identification.set_aside),
             **_truth(self.truth, words),
             **_evidence(shown, identification, words),
             **_correlation(identification, words),
@@ -100,14 +102,14 @@ def identification_front(
     identification: Identification, robot: str, found: Headline, words: Catalogue
 ) -> Front:
     """Return whether the model may be used, and what it makes of the robot."""
-    pair = identification.judging
+    pair, aside = identification.judging, identification.set_aside
     after = next((one for one in found.figures if one.name == words.say("headline.mean_after")), None)
     return Front(
         title=words.say("identification.title", robot=robot),
         look=graded(found.good),
         word=words.say("front.usable" if found.good else "front.unusable"),
         outcome=words.spoken(outcome_of(identification)),
-        sentence=found.sentence,
+        sentence=words.spoken(together(found.sentence, aside.sentence if aside else "")),
         robot=robot,
         figure=after,
         picture=None if pair is None else error_bars(pair.nominal, pair.identified, words),
