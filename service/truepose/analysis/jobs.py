@@ -1,5 +1,6 @@
 """Jobs: what may be asked of a worker process, refused at once where it cannot be answered."""
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from datetime import date
@@ -18,15 +19,19 @@ from truepose.analysis.job_queue.tasks import (
     SessionPlanTask,
     Task,
     ValidateTask,
+    stored_campaign,
 )
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.campaign import ReadingsSetAside
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.identification import Identification
 from truepose.domain.session import SessionPlan
+from truepose.domain.set_aside import found_in
 from truepose.domain.validation import Validation
 from truepose.messages.message import Text, message
+from truepose.storage.documents import to_document
 from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestKey
 from truepose.storage.results.campaigns import CampaignRepository
 from truepose.storage.results.corrections import CorrectionRepository, NewCorrection
@@ -74,19 +79,29 @@ class JobService:
         effects: tuple[str, ...] | None,
         key: RequestKey | None = None,
         sender: str = "",
+        *,
+        set_aside: ReadingsSetAside | None = None,
     ) -> int:
-        """Queue an identification and return the job's number; raises NotFoundError."""
+        """Queue an identification and return the job's number.
+
+        Raises NotFoundError, and ConfigurationError where readings cannot be set aside.
+        """
         # Before it is queued: nobody should wait for a worker to be told what is known now (decision 0052).
         work_count = _calibration_readings(await self._campaigns.get(campaign_id))
+        aside = await self._found(campaign_id, set_aside)
 
         # Read when the job has its worker: two hundred may wait, each with a campaign of megabytes.
         async def load() -> Task:
-            return IdentifyTask(await self._campaigns.content(campaign_id), effects)
+            return IdentifyTask(await self._campaigns.content(campaign_id), effects, aside)
 
         async def store(job_id: int, found: Identification) -> int:
             return await self._results.keep_identification(job_id, campaign_id, found)
 
-        request = {"campaign_id": campaign_id, "effects": None if effects is None else list(effects)}
+        request = {
+            "campaign_id": campaign_id,
+            "effects": None if effects is None else list(effects),
+            "set_aside": to_document(aside),
+        }
         work = Work(JobKind.IDENTIFICATION, request, work_count, load, store)
         return await self._queue.add(work, key, sender)
 
@@ -119,12 +134,15 @@ class JobService:
         measured_on: date | None = None,
         key: RequestKey | None = None,
         sender: str = "",
+        *,
+        set_aside: ReadingsSetAside | None = None,
     ) -> int:
-        """Queue a diagnosis and return the job's number; raises NotFoundError."""
+        """Queue a diagnosis and return the job's number; raises as `identify`."""
         work_count = _calibration_readings(await self._campaigns.get(campaign_id))
+        aside = await self._found(campaign_id, set_aside)
 
         async def load() -> Task:
-            return DiagnoseTask(await self._campaigns.content(campaign_id), effects)
+            return DiagnoseTask(await self._campaigns.content(campaign_id), effects, aside)
 
         async def store(job_id: int, found: Diagnosis) -> int:
             return await self._diagnoses.keep(job_id, campaign_id, found, measured_on)
@@ -133,9 +151,17 @@ class JobService:
             "campaign_id": campaign_id,
             "effects": None if effects is None else list(effects),
             "measured_on": None if measured_on is None else measured_on.isoformat(),
+            "set_aside": to_document(aside),
         }
         work = Work(JobKind.DIAGNOSIS, request, work_count, load, store)
         return await self._queue.add(work, key, sender)
+
+    async def _found(self, campaign_id: int, wanted: ReadingsSetAside | None) -> ReadingsSetAside | None:
+        """Return readings to set aside as they are in a campaign; raises ConfigurationError."""
+        if wanted is None:
+            return None
+        content = await self._campaigns.content(campaign_id)
+        return await asyncio.to_thread(lambda: found_in(stored_campaign(content), wanted))
 
     async def plan(
         self,

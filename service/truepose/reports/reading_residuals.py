@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Quantity, Readings, Stops
+from truepose.domain.campaign import ContactReadings, LegReadings, Quantity, Readings, Stops
 from truepose.domain.identification import Model
 from truepose.identification.verdict.judge import Assessment, judge
 from truepose.kinematics.frames import placement_translation
@@ -52,6 +52,10 @@ class ReadingResiduals:
     config : ndarray of int, shape (n,)
     nest : ndarray of int, shape (n,)
         Of the tool, from 1.
+    base_point : ndarray of int, shape (n,), or None
+        Other ends of lengths.
+    target : ndarray of int, shape (n,), or None
+        Of contacts.
     before_mm, after_mm : ndarray, shape (n, d)
         Observed minus predicted, by the nominal robot and by the identified model [mm].
     expected_mm : ndarray, shape (n,)
@@ -64,6 +68,8 @@ class ReadingResiduals:
     quantity: Quantity
     config: IntArray
     nest: IntArray
+    base_point: IntArray | None
+    target: IntArray | None
     before_mm: FloatArray
     after_mm: FloatArray
     expected_mm: FloatArray
@@ -91,6 +97,8 @@ def reading_residuals(model: Model, readings: Readings) -> ReadingResiduals:
         quantity=readings.quantity,
         config=readings.stops.config,
         nest=readings.nest,
+        base_point=readings.base_point if isinstance(readings, LegReadings) else None,
+        target=readings.target if isinstance(readings, ContactReadings) else None,
         before_mm=judged.nominal_mm,
         after_mm=judged.identified_mm,
         expected_mm=np.sqrt(components * (judged.noise_variance + judged.variance)),

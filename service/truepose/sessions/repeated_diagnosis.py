@@ -42,4 +42,6 @@ class RepeatedDiagnosis:
         # The same session judges both, so that their figures can be compared.
         validation_id = measured.session_ids[1] if len(measured.session_ids) > 1 else None
         campaign_id = await self.campaign_desk.from_sessions(measured.name, session_id, validation_id)
-        await self.job_desk.diagnose(campaign_id, earlier.diagnosis.start_effects)
+        found = earlier.diagnosis
+        # Readings that a person set aside come back by nothing that was measured since.
+        await self.job_desk.diagnose(campaign_id, found.start_effects, set_aside=found.set_aside)

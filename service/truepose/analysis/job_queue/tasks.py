@@ -22,12 +22,13 @@ from truepose.analysis.job_queue.file_tasks import (
 )
 from truepose.analysis.pose_requests import PoseRequest
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SpherePlanRequest
-from truepose.domain.campaign import Campaign, Readings
+from truepose.domain.campaign import Campaign, Readings, ReadingsSetAside
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.identification import Identification, Model
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionPlan, Turn
+from truepose.domain.set_aside import without_readings
 from truepose.domain.validation import Validation
 from truepose.messages.message import Text, message
 from truepose.storage.documents import is_packed, pack, unpack
@@ -59,13 +60,14 @@ class IdentifyTask:
 
     campaign: bytes  # as it is stored
     effects: tuple[str, ...] | None
+    set_aside: ReadingsSetAside | None = None  # as they were found in it
 
     def perform(self, report: Report) -> Identification:
         """Return the identification; raises TrueposeError."""
         from truepose.identification import identify
 
         report(0.0, message("job.doing.reading"))
-        return identify(stored_campaign(self.campaign), self.effects, progress=report)
+        return identify(stored_campaign(self.campaign, self.set_aside), self.effects, progress=report)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,13 +94,14 @@ class DiagnoseTask:
 
     campaign: bytes  # as it is stored
     effects: tuple[str, ...] | None
+    set_aside: ReadingsSetAside | None = None  # as they were found in it
 
     def perform(self, report: Report) -> Diagnosis:
         """Return the diagnosis; raises TrueposeError."""
         from truepose.diagnosis.diagnose import diagnose
 
         report(0.0, message("job.doing.reading"))
-        return diagnose(stored_campaign(self.campaign), self.effects, progress=report)
+        return diagnose(stored_campaign(self.campaign, self.set_aside), self.effects, progress=report)
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,8 +333,16 @@ Answer: TypeAlias = (
 )
 
 
-def stored_campaign(content: bytes) -> Campaign:
-    """Return a campaign from what the storage keeps, or from the zip of a folder."""
+def stored_campaign(content: bytes, set_aside: ReadingsSetAside | None = None) -> Campaign:
+    """Return a campaign from what the storage keeps, or from the zip of a folder.
+
+    `set_aside` are readings that were found in it, and that it is wanted without.
+    """
+    campaign = _whole(content)
+    return campaign if set_aside is None else without_readings(campaign, set_aside)
+
+
+def _whole(content: bytes) -> Campaign:
     # The storage keeps arrays; an archive of folders that is analysed anew hands on zips.
     if is_packed(content):
         return unpack(Campaign, content)

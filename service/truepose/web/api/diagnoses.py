@@ -15,7 +15,7 @@ from truepose.exchange.results.diagnosis import DiagnosisDocument
 from truepose.exchange.results.document import FieldSource, Quantity, Spoken, null_if_empty
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.storage.records import DiagnosisRecord, RequestKey
-from truepose.web.api.identifications import EffectNames
+from truepose.web.api.identifications import EffectNames, SetAside
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import ACT, CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
@@ -58,6 +58,7 @@ class DiagnosisRequest(Request):
         description="Date of the readings, used to compare diagnoses over time. Null: the date stated in "
         "the campaign, or the time of the session's last reading; otherwise unknown.",
     )
+    set_aside: SetAside = None
 
 
 class SessionDiagnosisRequest(Request):
@@ -261,7 +262,10 @@ async def diagnose_campaign(
 ) -> JobReply:
     """Diagnose a campaign in a worker process; the result of the job is the diagnosis."""
     effects = _named(wanted.effects)
-    number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key, sender)
+    aside = None if wanted.set_aside is None else wanted.set_aside.wanted
+    number = await here.job_desk.diagnose(
+        wanted.campaign_id, effects, wanted.measured_on, key, sender, set_aside=aside
+    )
     return await queued_job(here, number, response)
 
 

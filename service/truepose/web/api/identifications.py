@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import Response, status
 from pydantic import Field
 
+from truepose.domain.campaign import ReadingName, ReadingsSetAside
 from truepose.effects.registry import EFFECTS, chosen_effects
 from truepose.exchange.results.document import FieldSource
 from truepose.exchange.results.identification import IdentificationDocument
@@ -13,12 +14,61 @@ from truepose.storage.records import IdentificationRecord
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
-from truepose.web.schemas import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
+from truepose.web.schemas import (
+    NUMBER_LIMIT,
+    VISIBLE,
+    Number,
+    PersonName,
+    RecordedAt,
+    RecordId,
+    Reply,
+    Request,
+    Simulated,
+    example,
+)
 
 EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
 
 EffectNames = Annotated[
     list[EffectName], Field(min_length=1, max_length=32, json_schema_extra={"uniqueItems": True})
+]
+
+
+class ReadingNameRequest(Request):
+    """A reading of a campaign, as charts and tables of it name it."""
+
+    config: int = Field(ge=0, le=NUMBER_LIMIT, description="Number of the configuration.", examples=[12])
+    nest: Number = Field(description="Of the tool, from 1.", examples=[2])
+    base_point: Number | None = Field(None, description="Of a length; null: from whichever.")
+    target: Number | None = Field(None, description="Of a contact; null: against whichever.")
+
+
+class SetAsideRequest(Request):
+    """Readings without which a campaign is analysed; it stays as it is, and the result says so."""
+
+    model_config = example({
+        "person": "Ada Byron",
+        "reason": "a cable lay in the beam",
+        "readings": [{"config": 12, "nest": 2}],
+    })
+
+    person: PersonName = Field(description="Who sets them aside.")
+    reason: str = Field(min_length=1, max_length=500, pattern=VISIBLE, examples=["a cable lay in the beam"])
+    readings: list[ReadingNameRequest] = Field(
+        min_length=1,
+        max_length=10_000,
+        description="Of those that identify, at most a fifth; none that judges a model.",
+    )
+
+    @property
+    def wanted(self) -> ReadingsSetAside:
+        """What is to be set aside."""
+        return self.into(ReadingsSetAside, readings=tuple(one.into(ReadingName) for one in self.readings))
+
+
+SetAside = Annotated[
+    SetAsideRequest | None,
+    Field(description="Readings to analyse the campaign without; null: all of them take part."),
 ]
 
 
@@ -33,6 +83,7 @@ class IdentificationRequest(Request):
         description="Names of effects. Null: base, tool as far as unknown, geometry, and compliance if the "
         "campaign states masses or torques.",
     )
+    set_aside: SetAside = None
 
 
 class ValidationRequest(Request):
@@ -90,7 +141,8 @@ async def identify_campaign(
 ) -> JobReply:
     """Identify a campaign in a worker process; the result of the job is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
-    number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender)
+    aside = None if wanted.set_aside is None else wanted.set_aside.wanted
+    number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender, set_aside=aside)
     return await queued_job(here, number, response)
 
 

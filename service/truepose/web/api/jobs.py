@@ -6,6 +6,7 @@ from fastapi import Response
 from pydantic import Field
 
 from truepose.analysis.job_queue.queue import JobForecast
+from truepose.exchange.results.set_aside import SetAside
 from truepose.messages.message import message, together
 from truepose.storage.records import JobKind, JobRecord, JobState
 from truepose.web.context import Context, Here
@@ -24,6 +25,7 @@ class JobRequestReply(Reply):
     model_id: int | None = None
     effects: list[str] | None = Field(None, description="Names of effects; null for the default effects.")
     measured_on: str | None = Field(None, description="Date of the readings, if stated.")
+    set_aside: SetAside = None
     limit_mm: float | None = None
     name: str | None = None
     role: str | None = None

@@ -1,13 +1,14 @@
 """What pictures and charts are drawn from: results and plans in space, and how far each reading is off."""
 
 import asyncio
+from dataclasses import dataclass
 from typing import Annotated, Final, Literal, TypeAlias
 
 from fastapi import Query
 from pydantic import BeforeValidator, Field
 
 from truepose.analysis.job_queue.tasks import judging_or_own, stored_campaign
-from truepose.domain.campaign import Quantity
+from truepose.domain.campaign import Quantity, Readings, ReadingsSetAside
 from truepose.domain.identification import Model
 from truepose.exchange.results.document import Integers, Quantities
 from truepose.storage.errors import NotFoundError
@@ -130,6 +131,8 @@ class ResidualsReply(Reply):
     quantity: Quantity = Field(examples=["position"])
     config: Integers = Field(description="Configuration of each reading.", examples=[[1, 1, 2]])
     nest: Integers = Field(description="Tool nest of each reading, starting at 1.", examples=[[1, 2, 1]])
+    base_point: Integers | None = Field(description="Base point of each length; null for other readings.")
+    target: Integers | None = Field(description="Target of each contact; null for other readings.")
     before_mm: Errors
     after_mm: Errors
     expected_mm: Annotated[list[float], _ERRORS] = Field(
@@ -140,6 +143,10 @@ class ResidualsReply(Reply):
 
 
 router = resource(tags=["spaces"])
+IdentifiedFrom = Annotated[
+    bool,
+    Query(description="Those that the model was identified from, also where others were kept to judge it."),
+]
 FirstConfig = Annotated[
     int | None,
     Query(
@@ -152,70 +159,98 @@ FirstConfig = Annotated[
 
 
 @router.get("/identifications/{id}/space", responses=ACT)
-async def get_identification_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
+async def get_identification_space(
+    here: Here, id: Id, config: FirstConfig = None, identified_from: IdentifiedFrom = False
+) -> SpaceReply:
     """Return errors in 3D at the validation readings, or else at the calibration readings."""
     record = await here.results.identification(id)
-    return await _space(here, record.model_id, record.campaign_id, config)
+    shown = _Shown(record.identification.set_aside, identified_from)
+    return await _space(here, record.model_id, record.campaign_id, shown, config)
 
 
 @router.get("/validations/{id}/space", responses=ACT)
 async def get_validation_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
     """Return errors in 3D at the readings used for the validation."""
     record = await here.results.validation(id)
-    return await _space(here, record.model_id, record.campaign_id, config)
+    return await _space(here, record.model_id, record.campaign_id, _Shown(), config)
 
 
 @router.get("/diagnoses/{id}/space", responses=ACT)
-async def get_diagnosis_space(here: Here, id: Id, config: FirstConfig = None) -> SpaceReply:
+async def get_diagnosis_space(
+    here: Here, id: Id, config: FirstConfig = None, identified_from: IdentifiedFrom = False
+) -> SpaceReply:
     """Return errors in 3D of the nominal robot and of the extended model of a diagnosis."""
     record = await here.diagnoses.get(id)
-    return await _space(here, record.model_id, record.campaign_id, config)
+    shown = _Shown(record.diagnosis.set_aside, identified_from)
+    return await _space(here, record.model_id, record.campaign_id, shown, config)
 
 
-async def _space(here: Context, model_id: int | None, campaign_id: int, config: int | None) -> SpaceReply:
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """Which readings of a campaign a result is held against."""
+
+    set_aside: ReadingsSetAside | None = None
+    identified_from: bool = False
+
+    def of(self, content: bytes) -> Readings:
+        """Return them; `content` is the campaign as it is stored."""
+        campaign = stored_campaign(content, self.set_aside)
+        own = campaign.readings
+        return judging_or_own(campaign) if own is None or not self.identified_from else own
+
+
+async def _space(
+    here: Context, model_id: int | None, campaign_id: int, shown: _Shown, config: int | None
+) -> SpaceReply:
     model, content = await _model_and_campaign(here, model_id, campaign_id)
-    return await asyncio.to_thread(_drawn, model, content, config)
+    return await asyncio.to_thread(_drawn, model, content, shown, config)
 
 
-def _drawn(model: Model, content: bytes, config: int | None) -> SpaceReply:
+def _drawn(model: Model, content: bytes, shown: _Shown, config: int | None) -> SpaceReply:
     from truepose.reports.error_vectors_3d import error_space
 
-    return SpaceReply.of(error_space(model, judging_or_own(stored_campaign(content)), config))
+    return SpaceReply.of(error_space(model, shown.of(content), config))
 
 
 residuals_router = resource(tags=["residuals"])
 
 
 @residuals_router.get("/identifications/{id}/residuals", responses=ACT)
-async def get_identification_residuals(here: Here, id: Id) -> ResidualsReply:
+async def get_identification_residuals(
+    here: Here, id: Id, identified_from: IdentifiedFrom = False
+) -> ResidualsReply:
     """Return the residual of each validation reading, or else of each calibration reading."""
     record = await here.results.identification(id)
-    return await _residuals(here, record.model_id, record.campaign_id)
+    shown = _Shown(record.identification.set_aside, identified_from)
+    return await _residuals(here, record.model_id, record.campaign_id, shown)
 
 
 @residuals_router.get("/validations/{id}/residuals", responses=ACT)
 async def get_validation_residuals(here: Here, id: Id) -> ResidualsReply:
     """Return the residual of each reading used for the validation."""
     record = await here.results.validation(id)
-    return await _residuals(here, record.model_id, record.campaign_id)
+    return await _residuals(here, record.model_id, record.campaign_id, _Shown())
 
 
 @residuals_router.get("/diagnoses/{id}/residuals", responses=ACT)
-async def get_diagnosis_residuals(here: Here, id: Id) -> ResidualsReply:
+async def get_diagnosis_residuals(
+    here: Here, id: Id, identified_from: IdentifiedFrom = False
+) -> ResidualsReply:
     """Return the residuals of the nominal robot and of the extended model of a diagnosis."""
     record = await here.diagnoses.get(id)
-    return await _residuals(here, record.model_id, record.campaign_id)
+    shown = _Shown(record.diagnosis.set_aside, identified_from)
+    return await _residuals(here, record.model_id, record.campaign_id, shown)
 
 
-async def _residuals(here: Context, model_id: int | None, campaign_id: int) -> ResidualsReply:
+async def _residuals(here: Context, model_id: int | None, campaign_id: int, shown: _Shown) -> ResidualsReply:
     model, content = await _model_and_campaign(here, model_id, campaign_id)
-    return await asyncio.to_thread(_judged, model, content)
+    return await asyncio.to_thread(_judged, model, content, shown)
 
 
-def _judged(model: Model, content: bytes) -> ResidualsReply:
+def _judged(model: Model, content: bytes, shown: _Shown) -> ResidualsReply:
     from truepose.reports.reading_residuals import reading_residuals
 
-    return ResidualsReply.of(reading_residuals(model, judging_or_own(stored_campaign(content))))
+    return ResidualsReply.of(reading_residuals(model, shown.of(content)))
 
 
 async def _model_and_campaign(here: Context, model_id: int | None, campaign_id: int) -> tuple[Model, bytes]:

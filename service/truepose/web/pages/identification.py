@@ -131,7 +131,7 @@ class StoredIdentification:
         """Return its report as a page."""
         from truepose.reports.identification.report import IdentificationReport
 
-        campaign = stored_campaign(self.campaign)
+        campaign = stored_campaign(self.campaign, self.identification.set_aside)
         return IdentificationReport(
             self.identification, campaign, conditions=self.conditions, language=self.language
         ).page()
