@@ -1,9 +1,9 @@
 """Planning a session once more: the same configurations, or as many chosen anew."""
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from fastapi import Response, status
 from pydantic import Field
@@ -12,7 +12,7 @@ from truepose.analysis.job_queue.tasks import PlanTask, RepeatTask
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
-from truepose.domain.session import SessionPlan
+from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.messages.message import Text, message
 from truepose.sessions.ballbar.planning import BallbarPlanRequest, kit_of
 from truepose.sessions.ballbar.planning import path_warnings_of_plan as judged_by_bar
@@ -24,7 +24,7 @@ from truepose.web.api.sessions.ballbar import queue_plan
 from truepose.web.context import Context, Here
 from truepose.web.pages.session_results import origin_of
 from truepose.web.resources import CHANGE, Id, OptionalKey, Sender, resource
-from truepose.web.schemas import VISIBLE, Number, Request, example
+from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, Number, Request, example
 
 
 class RepeatRequest(Request):
@@ -38,10 +38,30 @@ class RepeatRequest(Request):
         description="`same`: the earlier configurations. `anew`: the same number, chosen by the same "
         "rules in the present cell.",
     )
+    configurations: list[Annotated[int, Field(ge=0, le=NUMBER_LIMIT)]] | None = Field(
+        None,
+        min_length=1,
+        max_length=10_000,
+        description="Numbers of the only ones that are measured again, of a plan whose stops do not belong "
+        "together; null: all.",
+        examples=[[12, 17]],
+    )
     attachment: Number | None = Field(
         None,
         description="Number of times the tool has been mounted; null for the same as in the earlier session.",
     )
+
+
+def _in_part(plan: SessionPlan | ContactPlan, numbers: Collection[int]) -> SessionPlan | ContactPlan:
+    if isinstance(plan, ContactPlan):
+        return replace(plan, stops=tuple(stop for stop in plan.stops if stop.config in numbers))
+    stops = (stop for stop in plan.stops if stop.config in numbers)
+    return replace(plan, stops=tuple(_alone(stop, numbers) for stop in stops))
+
+
+def _alone(stop: PlannedStop, numbers: Collection[int]) -> PlannedStop:
+    """Return a stop that repeats none which is not measured again."""
+    return stop if stop.repeat_of in numbers else replace(stop, repeat_of=None)
 
 
 AnyPlan: TypeAlias = SessionPlan | BallbarPlan | ContactPlan
@@ -67,6 +87,23 @@ class Template:
         return not self.is_test and not isinstance(self.plan, ContactPlan)
 
     @property
+    def can_be_repeated_in_part(self) -> bool:
+        """Whether some of its stops may be measured without the others, whose ways a ballbar follows."""
+        return not self.is_test and not isinstance(self.plan, BallbarPlan)
+
+    def of_configurations(self, numbers: Collection[int]) -> "Template":
+        """Return the template with these stops alone; raises ConflictError where it cannot have them."""
+        if isinstance(self.plan, BallbarPlan) or not self.can_be_repeated_in_part:
+            raise ConflictError(message("refused.repeated_whole", session=self.record.id))
+        unknown = sorted(set(numbers) - {stop.config for stop in self.plan.stops})
+        if unknown:
+            raise ConflictError(
+                message("refused.no_configuration", session=self.record.id, config=unknown[0])
+            )
+        plan = _in_part(self.plan, numbers)
+        return replace(self, plan=plan, asked={**self.asked, "configurations": len(plan.stops)})
+
+    @property
     def configurations(self) -> int:
         """How many places are measured, revisits not counted."""
         if isinstance(self.plan, SessionPlan):
@@ -88,6 +125,8 @@ async def plan_again(
 ) -> int:
     """Queue the session and return the job's number; raises ConflictError where it is of another robot."""
     _require_same_robot(template, here.cell)
+    if wanted.configurations is not None:
+        template = template.of_configurations(wanted.configurations)
     setup = SessionSetup(_cell(here.cell, template.plan), wanted.attachment or template.then.attachment)
     if wanted.poses == "same":
         return await _same(here, template, setup, wanted.name, key, sender)

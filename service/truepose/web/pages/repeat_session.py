@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
-from typing import Final
+from typing import Annotated, Final
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.ballbar import BallbarPlan
@@ -22,6 +22,7 @@ from truepose.web.pages.records import Link, link_to, record_at
 from truepose.web.pages.rendering import Visit, Visited
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
+Some = Annotated[tuple[int, ...], Query(description="Only these; none: all.")]
 _LOOKED_THROUGH: Final = 200  # of the latest sessions of a kind
 _SHOWN: Final = 8
 _MEASURED_BY: Final = {"ballbar": "again.by.ballbar", "contacts": "again.by.contacts"}
@@ -36,9 +37,10 @@ class EarlierSession:
 
 
 @router.get("/{id}/again", response_class=HTMLResponse)
-async def again_page(visit: Visited, id: str) -> HTMLResponse:
+async def again_page(visit: Visited, id: str, configurations: Some = ()) -> HTMLResponse:
     """Show what is taken over from a session, what is different now, and a form that plans it once more."""
     template = await record_at(id, partial(template_of, visit.here))
+    template = template.of_configurations(configurations) if configurations else template
     now, words = visit.here.cell, visit.words
     same_robot = template.then.cell.robot.name == now.robot.name
     warnings = (*differences(template.then.cell, now), *expiry_warnings(now, datetime.now(UTC).date()))
@@ -47,6 +49,7 @@ async def again_page(visit: Visited, id: str) -> HTMLResponse:
         once=template,
         record=template.record,
         same_robot=same_robot,
+        only=configurations,
         taken=tuple(_taken_over(template, words)),
         warnings=[words.spoken(one) for one in warnings],
         earlier=await _history(visit, template),
