@@ -1,7 +1,7 @@
 // <reading-charts src="...residuals">: the readings of a result in linked charts and a table. What is hovered or
 // picked in one is marked in all.
 
-import { answerTo, answered, filled } from "./api.js";
+import { answerTo, answered, filled, onSubmit, post } from "./api.js";
 import { dependence } from "./dependence.js";
 import { Units, numbers } from "./units.js";
 
@@ -78,6 +78,10 @@ class ReadingCharts extends HTMLElement {
     });
     this.part("space").addEventListener("click", () => this.inSpace());
     this.part("csv").addEventListener("click", () => keep(new Blob([this.csv()], { type: "text/csv" }), "readings.csv"));
+    this.part("aside")?.addEventListener("click", () => this.askAside());
+    this.part("again")?.addEventListener("click", () => this.askAgain());
+    for (const button of this.querySelectorAll("[data-close]")) button.addEventListener("click", () => button.closest("dialog").close());
+    for (const form of this.querySelectorAll("[data-part=again-dialogue] form")) onSubmit(form, (say) => this.measureAgain(form, say));
     for (const button of this.querySelectorAll("[data-picture]")) button.addEventListener("click", () => this.picture(button.dataset));
     new MutationObserver(() => this.show()).observe(document.documentElement, { attributes: true, attributeFilter: ["data-look"] });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show());
@@ -179,7 +183,53 @@ class ReadingCharts extends HTMLElement {
   // The arm where the last picked reading was taken, else where the worst was; the link leads there.
   inSpace() {
     const one = [...this.picked].at(-1) ?? this.worst()[0];
-    document.querySelector("robot-view").show(`/api/v1${this.dataset.result}/space?config=${this.found.config[one]}`);
+    const query = new URLSearchParams(this.dataset.query);
+    query.set("config", this.found.config[one]);
+    document.querySelector("robot-view").show(`/api/v1${this.dataset.result}/space?${query}`);
+  }
+
+  // Each reading once, as requests name it: a sensor has one for each of its axes.
+  readings(which) {
+    const { config, nest, base_point, target } = this.found;
+    const named = which.map((i) => ({ config: config[i], nest: nest[i], base_point: base_point?.[i] ?? null, target: target?.[i] ?? null }));
+    return [...new Map(named.map((one) => [JSON.stringify(one), one])).values()];
+  }
+
+  list(part, readings) {
+    const names = JSON.parse(this.dataset.names);
+    const told = (one) => filled(names[one.base_point !== null ? "leg" : one.target !== null ? "contact" : "point"], one);
+    this.part(part).replaceChildren(...readings.map((one) => Object.assign(document.createElement("li"), { textContent: told(one) })));
+  }
+
+  // Whoever sets further readings aside takes over those before: a result has one reason and one person.
+  askAside() {
+    const dialogue = this.part("aside-dialogue");
+    const readings = [...JSON.parse(dialogue.dataset.earlier), ...this.readings([...this.picked])];
+    const ask = JSON.parse(dialogue.dataset.ask);
+    dialogue.querySelector("form").dataset.asks = JSON.stringify([{ ...ask, body: { ...ask.body, set_aside: { readings } } }]);
+    this.list("aside-list", readings);
+    dialogue.showModal();
+  }
+
+  // In a session that takes configurations still, else in one that is planned as it was.
+  askAgain() {
+    const { session } = this.part("again").dataset;
+    const dialogue = this.part("again-dialogue");
+    const configs = [...new Set([...this.picked].map((i) => this.found.config[i]))];
+    if (!dialogue) return location.assign(`/sessions/${session}/again?${new URLSearchParams(configs.map((config) => ["configurations", config]))}`);
+    this.list("again-list", this.readings([...this.picked]));
+    return dialogue.showModal();
+  }
+
+  async measureAgain(form, say) {
+    const { session } = this.part("again").dataset;
+    const { leftOut, unreachable } = form.closest("dialog").dataset;
+    const joints = this.found.variables.filter(({ name }) => name === "joint");
+    const configurations = [...this.picked].map((i) => ({ joints_deg: joints.map(({ values }) => values[i]), nest: this.found.nest[i] }));
+    const person = form.elements.person?.value.trim();
+    const added = await post(`/api/v1/sessions/${session}/configurations`, { ...(person && { person }), configurations, leave_out_unfit: true }, unreachable);
+    if (!added.left_out.length) return location.assign(`/sessions/${session}`);
+    return say([added.sentence, ...added.left_out.map((entry) => filled(leftOut, entry))].join(" "));
   }
 
   worst() {
@@ -190,7 +240,7 @@ class ReadingCharts extends HTMLElement {
     const which = this.picked.size ? this.worst().filter((i) => this.picked.has(i)) : this.worst().slice(0, WORST);
     const caption = this.part("caption");
     caption.textContent = filled(this.picked.size ? caption.dataset.picked : caption.dataset.worst, { n: which.length, total: this.after.length });
-    this.part("none").disabled = this.picked.size === 0;
+    for (const button of this.querySelectorAll("button[data-picked]")) button.disabled = this.picked.size === 0;
     this.part("table").tBodies[0].replaceChildren(...which.slice(0, MOST_ROWS).map((i) => this.row(i)));
   }
 
