@@ -251,7 +251,8 @@ class ReadingCharts extends HTMLElement {
     const { config, nest, expected_mm } = this.found;
     const expected = units.shown(expected_mm[i], "mm", 0).value;
     const cells = [config[i], nest[i], ...[this.before[i], this.after[i], expected].map((value) => numbers.number(value, ERROR_DIGITS))];
-    for (const text of cells) row.insertCell().textContent = text;
+    const heads = this.part("table").tHead.rows[0].cells;
+    cells.forEach((text, k) => (Object.assign(row.insertCell(), { textContent: text }).dataset.label = heads[k].textContent));
     return row;
   }
 
