@@ -70,6 +70,44 @@ async def test_a_session_of_closed_loops_keeps_its_targets_and_stops(client, unt
     assert (await client.get(f"/sessions/{second}/again")).status_code == 200
 
 
+async def test_some_of_the_stops_are_planned_alone(client, until):
+    first = await planned(client, "/api/v1/sessions", session_request(n=4))
+
+    second = await again(client, until, first, configurations=[4, 2])
+
+    whole, some = [
+        (await client.get(f"/api/v1/sessions/{number}/plan")).json()["stops"] for number in (first, second)
+    ]
+    assert some == [whole[1], whole[3]]
+    page = (await client.get(f"/sessions/{first}/again?configurations=2&configurations=4")).text
+    assert "Only these configurations: 2, 4." in page
+    assert "&#34;configurations&#34;: [2, 4]" in page
+
+
+async def test_a_contact_session_is_planned_again_in_part(client, until):
+    first = await planned(client, "/api/v1/sessions", WIRE)
+    stops = (await client.get(f"/api/v1/sessions/{first}/plan")).json()["stops"]
+
+    second = await again(client, until, first, configurations=[stops[-1]["config"]])
+
+    assert (await client.get(f"/api/v1/sessions/{second}/plan")).json()["stops"] == stops[-1:]
+
+
+async def test_stops_that_are_not_there_or_belong_together_are_not_planned_alone(client):
+    tracker = await planned(client, "/api/v1/sessions", session_request(n=3))
+    ballbar = await planned(client, SESSIONS, WANTED)
+
+    unknown, whole = [
+        await client.post(f"/api/v1/sessions/{n}/again", json={"name": "x", "configurations": [9]})
+        for n in (tracker, ballbar)
+    ]
+
+    assert (unknown.status_code, whole.status_code) == (409, 409)
+    assert f"Session {tracker} has no configuration 9" in unknown.json()["detail"]
+    assert "belong together: repeat all of them" in whole.json()["detail"]
+    assert (await client.get(f"/sessions/{tracker}/again?configurations=9")).status_code == 409
+
+
 async def test_as_many_stops_are_chosen_anew_where_they_belong_to_no_test(client, until):
     first = await planned(client, "/api/v1/sessions", session_request(n=3))
 

@@ -6,10 +6,11 @@ import logging
 
 import pytest
 
+from tests.helpers.domain.builders import make_points
 from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import command, until
 from tests.helpers.web.routes import asked
-from tests.integration.web.bench import session_request
+from tests.integration.web.bench import session_request, uploaded
 from tests.integration.web.people.conftest import PASSWORD, PIN, browser_at, peopled
 from truepose.domain.people import Role
 from truepose.messages.catalogue import IN_ENGLISH
@@ -380,3 +381,17 @@ async def test_a_plant_hands_down_for_somebody_whom_the_cell_does_not_know(house
 
     assert (handed.status_code, handed.json()["person"]) == (201, "Emmy Noether")
     assert used.status_code == 403  # whoever uses it is there, and signed in
+
+
+async def test_readings_are_set_aside_by_whoever_is_signed_in(alan):
+    number = await uploaded(alan, calibration=make_points(10))
+    aside = {"reason": "it slipped", "readings": [{"config": 3, "nest": 1}]}
+
+    own, other = [
+        await alan.post("/api/v1/identifications", json={"campaign_id": number, "set_aside": aside | who})
+        for who in ({}, {"person": "Grace Hopper"})
+    ]
+
+    assert (own.status_code, other.status_code) == (202, 403)
+    assert own.json()["request"]["set_aside"]["person"] == "Alan Turing"
+    assert "Alan Turing is signed in here" in other.json()["detail"]
