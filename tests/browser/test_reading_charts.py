@@ -8,6 +8,10 @@ from playwright.sync_api import expect
 
 from tests.browser.conftest import looking
 from tests.browser.pages.shop import open_shop
+from tests.browser.windows import without_complaint
+from tests.helpers.diagnosis.answers import make_diagnosis
+from tests.helpers.identification.synthetic import nominal_campaign
+from truepose.identification import identify
 
 
 @pytest.fixture(scope="module")
@@ -157,3 +161,88 @@ def test_a_tap_on_what_the_error_depends_on_draws_it(charts):
 
     assert charts.locator("[data-part=variable]").evaluate("select => select.selectedOptions[0].text") == name
     assert evaluated(charts, "element.charts.over.labels[0]").startswith(name)
+
+
+def ready(page):
+    page.locator("reading-charts[data-ready]").wait_for()
+    return page
+
+
+def test_readings_are_set_aside_by_keys_and_the_new_result_says_so(chromium, shop):
+    with looking(chromium, shop) as page:
+        page.goto(f"{shop}/identifications/1/readings")
+        expect(page.get_by_text("These readings judge the model and cannot be set aside.")).to_be_visible()
+        expect(page.get_by_role("button", name="Set aside")).to_have_count(0)
+        page.get_by_role("link", name="Show the readings that the model was identified from").click()
+        button = ready(page).get_by_role("button", name="Set aside")
+        expect(button).to_be_disabled()
+        page.locator("[data-part=over]").focus()
+        page.keyboard.press("ArrowRight")
+        page.keyboard.press("Enter")
+        named = "configuration {}, nest {}".format(*picked(page).locator("td").all_inner_texts()[:2])
+        button.press("Enter")
+
+        dialogue = page.get_by_role("dialog", name="Set readings aside")
+        expect(dialogue.get_by_role("listitem")).to_have_text(named)
+        page.keyboard.press("Escape")
+        expect(dialogue).to_be_hidden()
+        expect(button).to_be_focused()
+        button.press("Enter")
+        page.keyboard.type("Ada Byron")
+        page.keyboard.press("Tab")
+        page.keyboard.type("a cable lay in the beam")
+        page.keyboard.press("Tab")
+        page.keyboard.press("Enter")
+        page.wait_for_url("**/identifications/2")
+
+        said = "1 reading set aside by Ada Byron: a cable lay in the beam."
+        expect(page.get_by_text(said).first).to_be_visible()
+        page.goto(f"{shop}/identifications/2/readings?identified_from=true")
+        ready(page).locator("tr[data-index]").first.click()
+        button.click()
+        expect(dialogue.get_by_role("listitem")).to_have_count(2)
+        expect(dialogue.get_by_label("Reason")).to_have_value("a cable lay in the beam")
+
+
+def test_what_cannot_be_set_aside_is_said_in_the_dialogue(chromium, shop):
+    refusal = "Failed to load resource: the server responded with a status of 422"
+    with chromium.one(shop) as page, without_complaint(page, shop, allowed=(refusal,)):
+        page.goto(f"{shop}/identifications/1/readings?identified_from=true")
+        evaluated(ready(page), "element.pick([...element.after.keys()])")
+        page.get_by_role("button", name="Set aside").click()
+        dialogue = page.get_by_role("dialog")
+        dialogue.get_by_label("Your name").fill("Ada Byron")
+        dialogue.get_by_label("Reason").fill("none of them looks right")
+        dialogue.get_by_role("button", name="Analyse without them").click()
+
+        expect(dialogue.get_by_text("readings are more than 20% and cannot be set aside")).to_be_visible()
+        assert page.evaluate("document.querySelector('dialog[open]').scrollHeight <= innerHeight")
+
+
+def test_a_session_that_has_ended_is_planned_again_with_the_selected_configurations(charts, shop):
+    charts.goto(f"{shop}/identifications/1/readings?identified_from=true")
+    ready(charts).locator("tr[data-index]").first.click()
+    config = picked(charts).locator("td").first.inner_text()
+
+    charts.get_by_role("button", name="Measure again").click()
+    charts.wait_for_url(f"**/sessions/1/again?configurations={config}")
+
+    expect(charts.get_by_text(f"Only these configurations: {config}.")).to_be_visible()
+
+
+def test_a_session_that_is_open_takes_the_selected_configurations_and_asks(service, tablet):
+    model = identify(nominal_campaign(30), ("base",)).model
+    session = service.paused_session("left arm")
+    result = service.diagnosed(session, make_diagnosis(model=model)).partition("?")[0]
+    tablet.goto(f"{result}/readings")
+    ready(tablet).locator("tr[data-index]").first.click()
+    planned = service.get(session)["planned"]
+
+    tablet.get_by_role("button", name="Measure again").click()
+    dialogue = tablet.get_by_role("dialog", name="Measure readings again")
+    dialogue.get_by_label("Your name").fill("Ada Byron")
+    dialogue.get_by_role("button", name="Add to the session").click()
+    tablet.wait_for_url("**/sessions/1")
+
+    told = service.get(session)
+    assert (told["planned"], told["state"]) == (planned + 1, "paused")

@@ -8,6 +8,7 @@ from tests.integration.web.bench import SESSIONS, Bench, measured, planned
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
 from truepose.analysis.job_queue.tasks import stored_campaign
+from truepose.domain.campaign import ReadingName, ReadingsSetAside
 
 MORE = {
     "person": "Ada",
@@ -180,6 +181,19 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
     assert again["session_id"] == 1
     assert worker.tasks[1].effects == ("base", "tool", "geometry")
     assert (len(first) < 60, len(second)) == (True, 62)
+
+
+async def test_readings_that_were_set_aside_stay_so_when_it_is_run_again(client, until, bench, worker):
+    aside = ReadingsSetAside((ReadingName(1, 1),), "it slipped", "Ada Byron", rows=(0,))
+    worker.found = [make_diagnosis(set_aside=aside)]
+    path = await diagnosed_so_far(client, until, bench)
+
+    await client.post(f"{path}/configurations", json={**MORE, "diagnosis_id": 1})
+    bench.robot.gate.set()
+    await confirmed(client, path, "added to the plan")
+    await until("/api/v1/jobs/2", "state", "succeeded", "failed")
+
+    assert [task.set_aside for task in worker.tasks] == [None, aside]
 
 
 async def test_it_is_judged_by_the_same_validation_session_again(client, until, bench):
