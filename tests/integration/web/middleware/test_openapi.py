@@ -109,7 +109,7 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|corrected|total|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
-        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck|rows|leads_to|first_line|column|left_out|revision|point|first|second|newest|links)$"
+        r"|axes|row|group|revisits|degrees_of_freedom|targets?|advised|nests|cycles|visits|set_aside|struck|rows|leads_to|first_line|column|left_out|revision|point|first|second|newest|links)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
