@@ -26,7 +26,9 @@ from truepose.analysis.archive_outcomes import (
 )
 from truepose.analysis.parallel.arithmetic import program
 from truepose.analysis.parallel.tasks import Cluster, Part, PartFailure
+from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.errors import ConfigurationError, TrueposeError
+from truepose.domain.identification import Identification
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.document import read_bytes
 from truepose.exchange.tables.files import NOT_STATED, Stated
@@ -41,6 +43,7 @@ from truepose.storage.results.diagnoses import DiagnosisRepository
 from truepose.storage.results.models import ResultRepository
 
 T = TypeVar("T")
+Found = TypeVar("Found", Identification, Diagnosis)
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)  # the same files give the same bytes
 _PAGE: Final = 500
 
@@ -175,12 +178,19 @@ def _stored_outcome(
 
     identified = runner.run(ResultRepository(database).newest_identification_of(campaign.id))
     diagnosed = runner.run(DiagnosisRepository(database).newest_of_campaign(campaign.id))
-    if identified is None and diagnosed is None:
+    identification = None if identified is None else _of_all_readings(identified.identification)
+    diagnosis = None if diagnosed is None else _of_all_readings(diagnosed.diagnosis)
+    if identification is None and diagnosis is None:
         return None
     return ArchiveOutcome(
-        None if identified is None else identification_document(identified.identification, campaign.robot),
-        None if diagnosed is None else diagnosis_document(diagnosed.diagnosis),
+        None if identification is None else identification_document(identification, campaign.robot),
+        None if diagnosis is None else diagnosis_document(diagnosis),
     )
+
+
+def _of_all_readings(found: Found) -> Found | None:
+    """Return a result unless some readings were set aside: computed anew it differs for that alone."""
+    return found if found.set_aside is None else None
 
 
 Told = Callable[[float, Text], None]

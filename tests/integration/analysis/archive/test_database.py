@@ -1,6 +1,7 @@
 """The archive of a database: its campaigns, and what was stored of them."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 
@@ -10,6 +11,7 @@ from truepose.analysis.archive import Archive, in_database
 from truepose.analysis.campaigns.tracker import summary_of
 from truepose.analysis.parallel.tasks import Cluster
 from truepose.diagnosis.diagnose import diagnose
+from truepose.domain.campaign import ReadingName, ReadingsSetAside
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
@@ -23,16 +25,20 @@ from truepose.storage.results.jobs import JobRepository
 from truepose.storage.results.models import ResultRepository
 
 
-async def _filled(url, campaign):
+async def _filled(url, campaign, set_aside=None):
     """Store a campaign twice; of the first one what was found is stored as well."""
     database = Database(url)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     new = NewCampaign("as measured", campaign.robot.name, summary_of(campaign), pack(campaign))
     first, _ = await campaigns.add(new), await campaigns.add(new)
     job = await jobs.add(JobKind.IDENTIFICATION, {})
-    await ResultRepository(database).keep_identification(job, first, identify(campaign))
+    await ResultRepository(database).keep_identification(
+        job, first, replace(identify(campaign), set_aside=set_aside)
+    )
     job = await jobs.add(JobKind.DIAGNOSIS, {})
-    await DiagnosisRepository(database).keep(job, first, diagnose(campaign), None)
+    await DiagnosisRepository(database).keep(
+        job, first, replace(diagnose(campaign), set_aside=set_aside), None
+    )
     database.close()
 
 
@@ -50,6 +56,18 @@ def test_stored_results_are_what_new_ones_are_compared_with(tmp_path):
     assert first.mean_before_um == first.mean_now_um
     assert (first.status_before, first.verdict_before) == (first.status_now, first.verdict_now)
     assert not second.compared
+
+
+def test_results_without_some_of_the_readings_are_not_compared_with(tmp_path):
+    folder = written_archive(tmp_path / "folders", readings=(12,)) / "campaign-1"
+    url = f"sqlite:///{tmp_path / 'cell.sqlite3'}"
+    aside = ReadingsSetAside((ReadingName(1, 1),), "it slipped", "Ada Byron", rows=(0,))
+    asyncio.run(_filled(url, read_campaign(folder), aside))
+
+    with in_database(url) as campaigns:
+        before = [campaign.before() for campaign in campaigns]
+
+    assert before == [None, None]
 
 
 def test_a_database_without_campaigns_is_refused(tmp_path):
