@@ -241,8 +241,8 @@ class ReadingsSetAside:
     @property
     def sentence(self) -> Message:
         """What whoever reads a result made without them has to know."""
-        # It is closed by the catalogue, whose languages have full stops of their own.
-        reason = self.reason.strip().rstrip(".。")
+        # On one line, and closed by the catalogue, whose languages have full stops of their own.
+        reason = " ".join(self.reason.split()).rstrip(".。")
         return message("set_aside", n=len(self.rows), person=self.person, reason=reason)
 
     def row_in_table(self, row: int) -> int:

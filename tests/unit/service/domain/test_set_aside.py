@@ -34,8 +34,8 @@ def test_a_reading_is_found_by_its_configuration_and_nest():
     assert english(listed(found)) == "configuration 9, nest 1; configuration 4, nest 2"
 
 
-@pytest.mark.parametrize("reason", ["it slipped.", " it slipped "])
-def test_a_reason_is_said_with_one_full_stop(reason):
+@pytest.mark.parametrize("reason", ["it slipped.", " it\n slipped "])
+def test_a_reason_is_said_on_one_line_with_one_full_stop(reason):
     found = found_in(CAMPAIGN, wanted(ReadingName(9, 1), reason=reason))
 
     assert english(found.sentence) == "1 reading set aside by Ada Byron: it slipped."
