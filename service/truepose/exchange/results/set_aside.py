@@ -1,4 +1,4 @@
-"""Readings that a person set aside, as every document of a result that was made without them lists them."""
+"""Readings set aside by a person, as documents of results list them."""
 
 from typing import Annotated, TypeAlias
 
@@ -8,24 +8,24 @@ from truepose.exchange.results.document import Document
 
 
 class ReadingNameDocument(Document):
-    """What tells a reading from the others of its campaign."""
+    """A reading of a campaign."""
 
     config: int = Field(examples=[12])
-    nest: int = Field(description="Of the tool, from 1.", examples=[2])
-    base_point: int | None = Field(description="Of a length: its other end; null of what is none.")
-    target: int | None = Field(description="Of a contact; null of what is none.")
+    nest: int = Field(description="Tool nest, starting at 1.", examples=[2])
+    base_point: int | None = Field(description="Base point of a length; null for other readings.")
+    target: int | None = Field(description="Target of a contact; null for other readings.")
 
 
 class ReadingsSetAsideDocument(Document):
-    """Readings without which a result was made, why, and who wanted that."""
+    """Readings excluded from an analysis, with the reason and the person who excluded them."""
 
     person: str = Field(examples=["Ada Byron"])
     reason: str = Field(examples=["a cable lay in the beam"])
     readings: list[ReadingNameDocument]
-    rows: list[int] = Field(description="Of their table, from 0.", examples=[[22, 23]])
+    rows: list[int] = Field(description="Rows of the table, starting at 0.", examples=[[22, 23]])
 
 
 SetAside: TypeAlias = Annotated[
     ReadingsSetAsideDocument | None,
-    Field(description="Readings that a person set aside; null: all of the campaign took part."),
+    Field(description="Readings set aside by a person; null if all readings were used."),
 ]

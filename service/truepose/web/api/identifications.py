@@ -35,16 +35,16 @@ EffectNames = Annotated[
 
 
 class ReadingNameRequest(Request):
-    """A reading of a campaign, as charts and tables of it name it."""
+    """A reading of a campaign."""
 
     config: int = Field(ge=0, le=NUMBER_LIMIT, description="Number of the configuration.", examples=[12])
-    nest: Number = Field(description="Of the tool, from 1.", examples=[2])
-    base_point: Number | None = Field(None, description="Of a length; null: from whichever.")
-    target: Number | None = Field(None, description="Of a contact; null: against whichever.")
+    nest: Number = Field(description="Tool nest, starting at 1.", examples=[2])
+    base_point: Number | None = Field(None, description="Base point of a length; null for any.")
+    target: Number | None = Field(None, description="Target of a contact; null for any.")
 
 
 class SetAsideRequest(Request):
-    """Readings without which a campaign is analysed; it stays as it is, and the result says so."""
+    """Readings to exclude from an analysis; the campaign keeps them, and the result lists them."""
 
     model_config = example({
         "person": "Ada Byron",
@@ -52,23 +52,23 @@ class SetAsideRequest(Request):
         "readings": [{"config": 12, "nest": 2}],
     })
 
-    person: PersonName = Field(description="Who sets them aside.")
+    person: PersonName = Field(description="Who sets the readings aside.")
     reason: str = Field(min_length=1, max_length=500, pattern=VISIBLE, examples=["a cable lay in the beam"])
     readings: list[ReadingNameRequest] = Field(
         min_length=1,
         max_length=10_000,
-        description="Of those that identify, at most a fifth; none that judges a model.",
+        description="Calibration readings, at most one in five; validation readings cannot be set aside.",
     )
 
     @property
     def wanted(self) -> ReadingsSetAside:
-        """What is to be set aside."""
+        """The readings, reason and person."""
         return self.into(ReadingsSetAside, readings=tuple(one.into(ReadingName) for one in self.readings))
 
 
 SetAside = Annotated[
     SetAsideRequest | None,
-    Field(description="Readings to analyse the campaign without; null: all of them take part."),
+    Field(description="Readings to exclude from the analysis; null to use all readings."),
 ]
 
 

@@ -42,8 +42,8 @@ class RepeatRequest(Request):
         None,
         min_length=1,
         max_length=10_000,
-        description="Numbers of the only ones that are measured again, of a plan whose stops do not belong "
-        "together; null: all.",
+        description="Numbers of the configurations to measure again; null for all. Ballbar sessions and "
+        "tests can only be repeated as a whole.",
         examples=[[12, 17]],
     )
     attachment: Number | None = Field(

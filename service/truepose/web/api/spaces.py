@@ -145,7 +145,7 @@ class ResidualsReply(Reply):
 router = resource(tags=["spaces"])
 IdentifiedFrom = Annotated[
     bool,
-    Query(description="Those that the model was identified from, also where others were kept to judge it."),
+    Query(description="True: the calibration readings, even if the campaign has validation readings."),
 ]
 FirstConfig = Annotated[
     int | None,
