@@ -1,4 +1,4 @@
-"""Measures, identifies and validates industrial robots, and names what their model gets wrong.
+"""Measures, identifies and validates industrial robots, and finds the causes of their errors.
 
 `import truepose as tp` is the face for notebooks and programs. Names are loaded when they are first used.
 """

@@ -190,7 +190,7 @@ def _what_is_missing(understood: Understood) -> str:
         return f"{where}{place.sentence}."
     if understood.questions:
         return IN_ENGLISH.spoken(understood.questions[0].sentence)
-    return "No file has been added yet; add one."
+    return "No file has been added yet; add a file."
 
 
 async def _off_the_loop(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:

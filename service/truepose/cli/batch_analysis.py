@@ -41,9 +41,7 @@ def reanalyse_command(
         str,
         typer.Argument(help="Folder of campaign folders or zips, or a database (file, or sqlite:///file)."),
     ],
-    out: Annotated[
-        Path, typer.Option(help="Folder for results; those already there are not computed again.")
-    ],
+    out: Annotated[Path, typer.Option(help="Folder for results; existing results are not computed again.")],
     effects: Effects = "auto",
     against: Annotated[
         Path | None,
@@ -124,8 +122,8 @@ def _lines(anew: "ReanalysisResult", table: Path) -> Iterator[str]:
         yield f"{row.campaign} has no result: {row.failed}"
     compared = sum(row.compared for row in anew.changes)
     yield (
-        f"{len(anew.changes)} campaigns: {anew.computed} computed, {anew.there_already} were there already, "
-        f"{len(anew.failed)} failed. Of {compared} with an earlier result {len(differing)} differ: {table}"
+        f"{len(anew.changes)} campaigns: {anew.computed} computed, {anew.there_already} already present, "
+        f"{len(anew.failed)} failed. Of {compared} with an earlier result, {len(differing)} differ: {table}"
     )
 
 
@@ -167,7 +165,9 @@ def watch_command(
     out: Annotated[
         Path, typer.Option(help="Folder for the results: answer, model and report of each campaign.")
     ],
-    once: Annotated[bool, typer.Option("--once", help="Process what is there now, then exit.")] = False,
+    once: Annotated[
+        bool, typer.Option("--once", help="Process the files that are there now, then exit.")
+    ] = False,
 ) -> int:
     """Identify each campaign that arrives in a folder, until interrupted; status 1: one of them failed.
 

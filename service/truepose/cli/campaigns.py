@@ -133,7 +133,7 @@ def _write_report(path: Path, campaign: "Campaign", answer: "Identification", wo
 def predict_command(
     model: ModelFile,
     points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and any other known columns.")],
-    out: Annotated[Path, typer.Option(help="Where the predictions go (CSV).")],
+    out: Annotated[Path, typer.Option(help="File for the predictions (CSV).")],
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,

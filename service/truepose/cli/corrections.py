@@ -55,7 +55,8 @@ def correct_command(
     define: Annotated[
         list[str] | None,
         typer.Option(
-            help="Programs: tool or work object that the program only names, as NAME=x,y,z,qw,qx,qy,qz."
+            help="Programs: tool or work object that the program names but does not define, as "
+            "NAME=x,y,z,qw,qx,qy,qz."
         ),
     ] = None,
     beside: Annotated[

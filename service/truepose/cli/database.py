@@ -61,7 +61,7 @@ def verify_command(
 
 
 def backup_command(
-    file: Annotated[Path, typer.Argument(help="Where the copy goes.")],
+    file: Annotated[Path, typer.Argument(help="File for the copy.")],
     database: Url = None,
     replace: Annotated[bool, typer.Option("--replace", help="Overwrite an earlier copy.")] = False,
     json: Json = False,
@@ -110,7 +110,7 @@ def restore_command(
 ) -> int:
     """Restore the database from a copy, now or at the next start of a running service.
 
-    Every record of the copy is verified before anything is touched. Status 3: a service has the database.
+    Every record of the copy is verified before anything is touched. Status 3: a service uses the database.
 
     Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace --at-next-start
     """
@@ -182,7 +182,7 @@ def copy_command(
 ) -> int:
     """Copy a database from a file to a PostgreSQL server, or back, with all records and links.
 
-    No service may have either. All of it arrives and is verified, or nothing. Status 3: a service has one.
+    No service may use either database. All records are copied and verified, or none. Status 3: one is in use.
 
     Example: truepose copy truepose.sqlite3 postgresql://truepose@localhost/truepose --json
     """
@@ -231,15 +231,15 @@ def retention_command(
     database: Url = None,
     copies: Annotated[Path | None, typer.Option(help="Folder of 'truepose serve --backup-to'.")] = None,
     keep_copies: Annotated[int, typer.Option(min=1, help="Number of newest copies to keep.")] = 7,
-    logs_days: Annotated[float, typer.Option(min=0, help="Rotated logs stay so long.")] = 90.0,
+    logs_days: Annotated[float, typer.Option(min=0, help="Time for which rotated logs are kept.")] = 90.0,
     drop: Annotated[
-        bool, typer.Option("--drop", help="Remove them; without this they are only listed.")
+        bool, typer.Option("--drop", help="Remove the files; without this option, they are only listed.")
     ] = False,
     json: Json = False,
 ) -> int:
     """List files that can be removed beside the database: old logs, surplus copies, leftovers.
 
-    Records stay for good: readings, acts, results, certificates, uploads. Live values are never stored.
+    Records are never removed: readings, commands, results, certificates, uploads. Live values are not stored.
 
     Example: truepose retention --copies backups --drop
     """
@@ -255,7 +255,7 @@ def retention_command(
         files = [{"file": str(one.file), "bytes": one.size_bytes, "why": one.why} for one in found]
         print_json({"dropped": drop, "files": files, "bytes": sum(one.size_bytes for one in found)})
     else:
-        word = "removed" if drop else "may go"
+        word = "removed" if drop else "can be removed"
         print_lines([f"{one.file}: {word} ({one.why}, {one.size_bytes / 1e6:.1f} MB)" for one in found])
         print_lines([f"{len(found)} files {word}, {sum(one.size_bytes for one in found) / 1e6:.1f} MB."])
     return 0

@@ -28,8 +28,8 @@ def diagnose_command(
     effects: Annotated[
         str,
         typer.Option(
-            help="Effects of the start model, separated by commas; these are not reported as findings. "
-            "`auto`: base,tool,geometry,compliance."
+            help="Effects included in the initial model, comma-separated; these are not reported as "
+            "findings. `auto`: base,tool,geometry,compliance."
         ),
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
@@ -37,7 +37,7 @@ def diagnose_command(
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
-    """Find what the robot's model gets wrong, name the causes, and measure the gain.
+    """Find errors that the robot's model does not explain, name their causes, and measure the improvement.
 
     Status 1: nothing could be fitted, so there is no answer.
 

@@ -22,7 +22,7 @@ def _spoken(language: str) -> str:
     return language
 
 
-CampaignPath = Annotated[Path, typer.Argument(help="Campaign folder, or a zip of one.")]
+CampaignPath = Annotated[Path, typer.Argument(help="Campaign folder, or its zip file.")]
 ModelFile = Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")]
 Effects = Annotated[str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")]
 Language = Annotated[

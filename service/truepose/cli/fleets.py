@@ -47,14 +47,14 @@ def fleet_command(
     limit: Annotated[float, typer.Option(help="Largest acceptable change [mm].")] = 0.1,
     out: Annotated[Path | None, typer.Option(help="Folder that caches the result of each campaign.")] = None,
     check: Annotated[
-        Path | None, typer.Option(help="Write the quick check of the robot that is due next here (CSV).")
+        Path | None, typer.Option(help="Write the interim check of the robot that is due next here (CSV).")
     ] = None,
     checked: Annotated[
         Path | None,
-        typer.Option(help="Campaign of a quick check (not in the archive): report what has changed since."),
+        typer.Option(help="Campaign of an interim check (not in the archive): report what has changed."),
     ] = None,
     growth: Annotated[
-        float, typer.Option(help="Smallest change [mm] that the quick check must detect.")
+        float, typer.Option(help="Smallest change [mm] that the interim check must detect.")
     ] = 0.05,
     pooled: Annotated[
         Path | None,

@@ -63,7 +63,7 @@ def import_command(
     ] = "*{config}",
     nest: Annotated[
         list[str] | None,
-        typer.Option(help="Centre of a tool nest in the last frame: x,y,z in mm. May be repeated."),
+        typer.Option(help="Centre of a tool nest in the flange frame: x,y,z in mm. May be repeated."),
     ] = None,
     nest_u_mm: Annotated[
         float | None, typer.Option("--nest-u-mm", min=0.0, help="Standard uncertainty of these centres [mm].")
@@ -78,7 +78,7 @@ def import_command(
         str, typer.Option("--robot-serial", help="Serial number of the robot, to follow it over time.")
     ] = "",
     instrument_serial_number: Annotated[
-        str, typer.Option("--instrument-serial", help="Serial number of what measured.")
+        str, typer.Option("--instrument-serial", help="Serial number of the instrument.")
     ] = "",
     accept_changes: Annotated[
         bool,
@@ -90,7 +90,7 @@ def import_command(
 
     Example: truepose import points.txt joints.csv --robot abb-irb-120 --unit mm --u-mm 0.03 --out mine
 
-    Of a table columns, units and robot are guessed and told: truepose import readings.csv --out mine
+    Columns, units and robot of a table are detected and reported: truepose import readings.csv --out mine
     """
     from truepose.exchange.campaigns.folder import write_campaign
     from truepose.exchange.campaigns.points_with_joints import Stated, import_points
@@ -145,7 +145,7 @@ def _import_table(path: Path, out: Path, choices: "Choices", *, accept_changes: 
 def _remark_undated(day: date | None) -> None:
     if day is None:
         remark([
-            "The date of the readings is missing; --measured-on states it, to follow the robot over time."
+            "The date of the readings is missing; give it with --measured-on to follow the robot over time."
         ])
 
 

@@ -19,8 +19,8 @@ _LARGEST_BYTES: Final = 4 * 2**20
 Step: TypeAlias = tuple[str, str]  # what was found, the command that comes next
 
 _ABOUT: Final = (
-    "truepose measures industrial robots, identifies their true model, names what it gets wrong and "
-    "corrects programs.\n"
+    "truepose measures industrial robots, identifies their true model, finds the causes of remaining errors "
+    "and corrects programs.\n"
 )
 _ALL: Final = "All commands: truepose --help\n"
 _BEGINNING: Final[tuple[Step, ...]] = (
@@ -48,7 +48,7 @@ def _steps(folder: Path) -> Iterator[Step]:
         if not models:
             yield f"{told} is a campaign", f"truepose identify {told} --model-out model.json"
         yield (
-            f"What its model gets wrong, and why ({told})",
+            f"Find the errors of its model and their causes ({told})",
             f"truepose diagnose {told} --report diagnosis.html",
         )
     for model in models[:1]:

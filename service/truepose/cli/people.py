@@ -12,11 +12,11 @@ Name = Annotated[str, typer.Argument(help="Name of the person.")]
 Database = Annotated[
     str | None, typer.Option(help="URL of the database; by default the one in the user's data folder.")
 ]
-RoleOption = Annotated[Role, typer.Option(help="What they may do.")]
+RoleOption = Annotated[Role, typer.Option(help="Role, which determines their rights.")]
 
 
 def list_command(database: Database = None, json: Json = False) -> int:
-    """List everybody who is let in.
+    """List everybody who has access.
 
     Example: truepose people list --json
     """
@@ -34,9 +34,9 @@ def list_command(database: Database = None, json: Json = False) -> int:
 def add_command(
     name: Name, role: RoleOption = Role.OPERATOR, database: Database = None, json: Json = False
 ) -> int:
-    """Enter somebody, and print the last part of the link by which they choose a password.
+    """Give somebody access, and print the last part of the link by which they choose a password.
 
-    The first one has to be an administrator. Example: truepose people add "Ada Byron" --role administrator
+    The first person must be an administrator. Example: truepose people add "Ada Byron" --role administrator
     """
     from truepose.cli.register import administration
 
@@ -58,9 +58,11 @@ def link_command(name: Name, database: Database = None, json: Json = False) -> i
 
 
 def role_command(
-    name: Name, role: Annotated[Role, typer.Argument(help="What they may do.")], database: Database = None
+    name: Name,
+    role: Annotated[Role, typer.Argument(help="Role, which determines their rights.")],
+    database: Database = None,
 ) -> int:
-    """Change what somebody may do.
+    """Change the role of somebody.
 
     Example: truepose people role "Grace Hopper" metrologist
     """
@@ -73,7 +75,7 @@ def role_command(
 
 
 def remove_command(name: Name, database: Database = None) -> int:
-    """Let somebody in no more; what they did stays on record.
+    """Withdraw somebody's access; their records are kept.
 
     Example: truepose people remove "Grace Hopper"
     """
@@ -87,9 +89,9 @@ def remove_command(name: Name, database: Database = None) -> int:
 
 def token_command(
     owner: Annotated[str, typer.Argument(help="Person responsible for the program.")],
-    name: Annotated[str, typer.Option(help="What the program is called.")],
+    name: Annotated[str, typer.Option(help="Name of the program.")],
     role: RoleOption = Role.DEVICE,
-    days: Annotated[int, typer.Option(min=1, max=3660, help="After which it ends.")] = 365,
+    days: Annotated[int, typer.Option(min=1, max=3660, help="Days until the token expires.")] = 365,
     database: Database = None,
     json: Json = False,
 ) -> int:

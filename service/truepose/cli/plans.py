@@ -89,7 +89,7 @@ def plan_command(
 ) -> int:
     """Choose configurations to measure, and predict the accuracy before anything moves.
 
-    Of a campaign the curve goes on from what was measured. Status 1: the plan cannot determine a parameter.
+    For a campaign, the prediction includes its readings. Status 1: the plan cannot determine a parameter.
 
     Example: truepose plan abb-irb-120 --n 40 --out plan.csv
     """
@@ -133,7 +133,7 @@ class _Tries:
 
         with workers(self.where, self.count) as cluster, progress_bar() as told:
             plan, seed = best_plan(cluster, planned, n, self.seed, self.count, told)
-        remark([f"The plan with seed {seed} has the largest O1 of {self.count}."])
+        remark([f"The plan with seed {seed} has the largest O1 of {self.count} plans."])
         return plan
 
 
@@ -184,7 +184,7 @@ def _loop(targets: Path | None, distances: Path | None, nests: str, *, ballbar: 
             raise ConfigurationError("--distances and --nests are for a closed loop; give --targets as well.")
         return None
     if ballbar:
-        raise ConfigurationError("--targets and --ballbar cannot be combined; give one of them.")
+        raise ConfigurationError("--targets and --ballbar cannot be combined; give only one of them.")
     numbers = nests.replace(" ", "").split(",") if nests else []
     if not all(number.isdigit() for number in numbers):
         raise ConfigurationError(f"--nests {nests}: give numbers of tool nests with commas, such as 1,2,3.")

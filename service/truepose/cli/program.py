@@ -84,7 +84,7 @@ def application(arguments: Sequence[str] = ()) -> typer.Typer:
     """Return the command line with the command that `arguments` name, or with all commands."""
     app = typer.Typer(
         name="truepose",
-        help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
+        help="Measures, identifies and validates industrial robots, and finds the causes of their errors.",
         invoke_without_command=True,
         pretty_exceptions_enable=False,
         callback=_asked_of_the_program,

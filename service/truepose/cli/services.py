@@ -59,8 +59,8 @@ PinSecret = Annotated[
     typer.Option(help="File with the secret for PIN hashes (default: beside the database)."),
 ]
 Host = Annotated[str, typer.Option(help="Address to listen on.")]
-Port = Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")]
-Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0 picks a free port.")]
+Seed = Annotated[int, typer.Option(min=0, help="Same seed, same simulated cell.")]
 Faults = Annotated[
     Path | None, typer.Option(help="Faults of the simulated cell and their times (TOML, docs/faults.md).")
 ]
@@ -98,7 +98,7 @@ def _print_reports(out: Path) -> None:
 def nightly_command(
     out: Annotated[
         Path,
-        typer.Option(help="Folder for reports, and for history.jsonl, to which each night is added."),
+        typer.Option(help="Folder for reports, and for history.jsonl, to which each nightly run is added."),
     ] = Path("truepose-nightly"),
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the draws (default: the date).")] = None,
     case: Annotated[
@@ -108,9 +108,9 @@ def nightly_command(
         list[str] | None,
         typer.Option(help="MODULE:NAME of a driver's bench, or of a list of them; may be repeated."),
     ] = None,
-    label: Annotated[str, typer.Option(help="Label to find the night by, such as a commit.")] = "",
+    label: Annotated[str, typer.Option(help="Label by which to find the run, such as a commit.")] = "",
 ) -> int:
-    """Run every unattended test on simulated devices, and compare with earlier nights.
+    """Run every unattended test on simulated devices, and compare with earlier nightly runs.
 
     Example: truepose nightly --out nightly
     """
@@ -133,7 +133,7 @@ def serve_command(
         list[str] | None,
         typer.Option(
             envvar="TRUEPOSE_ALLOWED_HOSTS",
-            help="Name or address under which it may be asked, beside localhost and --host; "
+            help="Name or address under which the service may be called, besides localhost and --host; "
             "https://NAME behind a proxy with TLS. May be repeated.",
         ),
     ] = None,
@@ -141,7 +141,7 @@ def serve_command(
         list[str] | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Address or network that a proxy asks from: its X-Forwarded-For says who asks. "
+            help="Address or network of a trusted proxy, whose X-Forwarded-For names the client. "
             "May be repeated.",
         ),
     ] = None,
@@ -228,7 +228,7 @@ def plant_command(
     port: Port = 8100,
     every: Annotated[
         float,
-        typer.Option(parser=seconds, help="Time between two contacts with a cell.", metavar="30s|10m|1h"),
+        typer.Option(parser=seconds, help="Time between two queries of a cell.", metavar="30s|10m|1h"),
     ] = 30.0,
     due_after: Annotated[
         float,
@@ -238,13 +238,15 @@ def plant_command(
             metavar="14d|30d|90d",
         ),
     ] = 30 * A_DAY_S,
-    name: Annotated[str, typer.Option(help="What the plant is called.")] = "plant",
+    name: Annotated[str, typer.Option(help="Name of the plant.")] = "plant",
     allowed_host: Annotated[
         list[str] | None,
-        typer.Option(help="Name or address under which it may be asked, beside localhost and --host."),
+        typer.Option(
+            help="Name or address under which the service may be called, besides localhost and --host."
+        ),
     ] = None,
     behind_proxy: Annotated[
-        list[str] | None, typer.Option(metavar="ADDRESS", help="Address or network that a proxy asks from.")
+        list[str] | None, typer.Option(metavar="ADDRESS", help="Address or network of a trusted proxy.")
     ] = None,
     tls_certificate: TlsCertificate = None,
     tls_key: TlsKey = None,

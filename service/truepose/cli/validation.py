@@ -57,7 +57,7 @@ def validate_command(
         float | None, typer.Option(help="Delay between motion and measurement, for the report.")
     ] = None,
     warm_up: Annotated[str, typer.Option(help="Warm-up of the robot, for the report.")] = "",
-    instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
+    instrument: Annotated[str, typer.Option(help="Measuring instrument, for the report.")] = "",
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,

@@ -182,7 +182,7 @@ class Resampling:
         if len(configurations) < FEWEST:
             raise ConfigurationError(
                 f"The campaign has {len(configurations)} configurations; resampling them needs at least "
-                f"{FEWEST}. Resample by noise instead."
+                f"{FEWEST}. Resample the noise instead."
             )
         drawn = rng.choice(configurations, len(configurations))
         # Sides, distances and fixed nests belong to no configuration and are there in every draw.

@@ -40,6 +40,6 @@ class ArmInTheWayError(NoWayError):
 
     def __init__(self, placement: int) -> None:
         super().__init__(
-            f"The arm would be in the way when the base fixture is moved to placement {placement}. Put this "
-            "placement farther from the previous one."
+            f"The arm would be in the way when the base fixture is moved to placement {placement}. "
+            "Choose a placement farther from the previous one."
         )

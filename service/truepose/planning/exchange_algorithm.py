@@ -137,7 +137,8 @@ def _check_arguments(jacobians: FloatArray, n: int, start: IntArray | None) -> N
     candidates = range(len(jacobians))
     if start is not None and not (len(start) == n == len(set(start.tolist()) & set(candidates))):
         raise ConfigurationError(
-            f"The start must consist of {n} different candidate indices from 0 to {candidates[-1]}."
+            f"The initial selection must consist of {n} different candidate indices from 0 to "
+            f"{candidates[-1]}."
         )
 
 

@@ -319,7 +319,7 @@ def of_lengths():
 def nothing_fitted():
     return make_diagnosis(
         verdict=Verdict.UNEXPLAINED,
-        message="Nothing can be said: 4 configurations are too few for the start model.",
+        message="Nothing can be said: 4 configurations are too few for the initial model.",
         findings=(),
         errors=None,
         remaining=Remaining(False, (), "Nothing was fitted, so nothing is left to look at."),

@@ -58,8 +58,8 @@ async def test_too_few_robots_are_told_what_is_missing(service):
 
     shown = await page(service, "/fleet")
 
-    assert "So far 2 have a campaign" in shown
-    assert "0 of them on two days or more." in shown
+    assert "Robots so far with a campaign whose robot, instrument and day are known: 2." in shown
+    assert "Of these, measured on two days or more: 0." in shown
     assert "the day is in the future: 1." in shown
 
 
@@ -75,7 +75,7 @@ async def test_a_day_that_has_not_come_is_not_compared(service):
 
     shown = await page(service, "/fleet")
 
-    assert "0 of them on two days or more." in shown
+    assert "Of these, measured on two days or more: 0." in shown
     assert "the day is in the future: 2." in shown
 
 
@@ -117,7 +117,7 @@ async def test_robots_are_compared_from_what_was_collected(address, served_plant
 
     assert "2 robots, 1 instruments and 4 campaigns from 2026-03-02 to 2026-04-02 were compared." in shown
     assert "No significant change" in shown
-    assert "would have been detected with 95 % probability from these sizes on" in shown
+    assert "would have been detected with 95 % probability if it had reached these sizes" in shown
     assert "Computed on " in shown
     assert "All readings come from a simulated cell" in shown
     assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]

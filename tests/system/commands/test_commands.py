@@ -175,7 +175,7 @@ def test_what_cannot_be_predicted_of_a_row_is_said_beside_the_predictions(campai
 
     sentence = (
         "base_drift needs time_s, which 5 of 5 rows lack: "
-        "for these rows it is taken as after the last reading"
+        "these rows are treated as later than the last reading"
     )
     assert sentence in predicted.stderr
     assert "time_s" in french.stderr

@@ -33,7 +33,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert "No significant change" in " ".join(said.split())
     assert "Measure robot 00 next. No particular reason" in " ".join(said.split())
     assert "causes in robot 00 has grown by" in remarks
-    assert "Another robot of the type reaches a predicted mean error of" in remarks
+    assert "Another robot of the type is predicted to reach a mean error of" in remarks
     assert len(files["new.csv"].read_text().splitlines()) == 16
     assert files["check.csv"].read_text().startswith("config,q1_deg,")
     assert "No significant change" in files["fleet.html"].read_text()
@@ -42,7 +42,9 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert (found["first"], found["last"], found["simulated"]) == ("2026-03-02", "2026-04-01", True)
     assert all(one["size_mm"] >= one["best_mm"] > 0.0 for one in found["would_show"])
     assert [one["size_mm"] for one in found["drifts_would_show"]] == [None, None]  # of two days each
-    assert "would have been detected with 95 % probability from these sizes on" in " ".join(said.split())
+    assert "would have been detected with 95 % probability if it had reached these sizes" in " ".join(
+        said.split()
+    )
     assert (found["checked"]["robot"], found["checked"]["causes"][0]["told"]) == ("robot 00", False)
     assert found["checked"]["sentences"][0].startswith("None of the causes checked in robot 00 has grown")
     assert len(kept) == 4
@@ -89,7 +91,7 @@ def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(a
         ("campaign,robot,instrument,day\nnobody,a,t,2026-05-01\n", "The table names campaign 'nobody'"),
         (
             "campaign,robot,instrument,day\nrobot-00-month-0,a,t,\nrobot-00-month-0,a,t,\n",
-            "stands in two rows",
+            "appears in two rows",
         ),
     ],
 )

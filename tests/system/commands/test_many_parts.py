@@ -23,7 +23,7 @@ def test_an_archive_is_computed_once_and_its_table_names_what_failed(archive, tm
 
     assert (status, again) == (1, 1)
     assert "broken.zip has no result" in said
-    assert "3 campaigns: 2 computed, 0 were there already, 1 failed." in said
+    assert "3 campaigns: 2 computed, 0 already present, 1 failed." in said
     found = json.loads(document)
     assert (found["computed"], found["there_already"], list(found["failed"])) == (0, 2, ["broken.zip"])
     rows = read_rows(out / "changes.csv")

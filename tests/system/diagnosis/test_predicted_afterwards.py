@@ -102,7 +102,7 @@ def test_a_drift_is_held_and_said_to_be(drifting):
     assert position == pytest.approx(held, abs=1e-3)  # a file has micrometres
     assert np.all(after > 100.0 * before)
     assert nothing == ""
-    assert "base_drift was observed only from the first to the last reading, and 60 of 60 rows" in remarks
+    assert "base_drift was observed only between the first and last readings. 60 of 60 rows" in remarks
 
 
 @pytest.mark.parametrize("hours", [None, DAY_H, MONTH_H])

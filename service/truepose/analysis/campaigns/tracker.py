@@ -44,7 +44,7 @@ def _first(sentences: tuple[str, ...]) -> tuple[str, ...]:
     if len(sentences) <= _MOST_SENTENCES:
         return sentences
     more = len(sentences) - _MOST_SENTENCES
-    return (*sentences[:_MOST_SENTENCES], f"The archive lists {more} more like these.")
+    return (*sentences[:_MOST_SENTENCES], f"The archive lists {more} more such remarks.")
 
 
 def _rows(table: Sized | None) -> int:

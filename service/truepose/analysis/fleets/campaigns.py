@@ -127,7 +127,7 @@ def unfit_of(entries: Sequence[Entry]) -> Iterator[tuple[Entry, str]]:
 
 _OTHER_TABLE = (
     "Its nominal robot table differs from that of most campaigns of this type, and parameters are relative "
-    "to that table. Give it the same table as the others, or a type of its own."
+    "to that table. Give this campaign the same table as the others, or a type of its own."
 )
 
 

@@ -253,7 +253,7 @@ def _type_wanted(of_type: str | None, names: Sequence[str]) -> str:
     if of_type is not None and of_type not in counts:
         raise ConfigurationError(f"No campaign has robot type {of_type!r}; available types: {listed}.")
     if of_type is None and len(counts) > 1:
-        raise ConfigurationError(f"The campaigns are of several types: {listed}. Choose one with --type.")
+        raise ConfigurationError(f"The campaigns are of several types: {listed}. Choose a type with --type.")
     return of_type or next(iter(counts), "")
 
 

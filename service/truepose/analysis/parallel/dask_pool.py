@@ -130,7 +130,7 @@ def _of_error(found: BaseException | None) -> Reply:
         return lost_reply(int(dask.config.get("distributed.scheduler.allowed-failures")) + 1)
     if isinstance(found, WorkersUnlikeError):
         raise found
-    return Reply(None, 0.0, f"Its worker could not compute it ({type(found).__name__}: {found}).")
+    return Reply(None, 0.0, f"The worker could not compute this part ({type(found).__name__}: {found}).")
 
 
 def _gone() -> ClusterError:
@@ -157,7 +157,8 @@ def _alike(client: Client) -> Arithmetic:
             continue  # it is gone
         if not isinstance(found, Arithmetic):
             raise WorkersUnlikeError(
-                f"Worker {address} cannot report its arithmetic ({type(found).__name__}: {found}): "
+                f"Worker {address} did not report its numerical environment "
+                f"({type(found).__name__}: {found}): "
                 f"install truepose {own.truepose} there."
             )
         _require_alike(own, found, f"Worker {address}")

@@ -219,14 +219,14 @@ def _answer(outcome: Outcome[T]) -> T:
 
 def failed_reply(error: Exception) -> Reply:
     """Return what is said of a task at which the program failed."""
-    why = f"The program failed on this part ({type(error).__name__}: {error}); please report it."
+    why = f"The program failed on this part ({type(error).__name__}: {error}); please report this error."
     return Reply(None, 0.0, why, code_of(error))
 
 
 def lost_reply(times: int) -> Reply:
     """Return what is said of a task that lost its worker too often."""
     why = (
-        f"Its worker was lost {times} times during the computation, so it was abandoned; it most likely "
-        "needs more memory than a worker has."
+        f"The worker was lost {times} times while computing this part, so this part was abandoned; it most "
+        "likely needs more memory than a worker has."
     )
     return Reply(None, 0.0, why)

@@ -81,7 +81,7 @@ def _content(file: Path) -> bytes:
 
 
 def _no_campaign(file: Path) -> str:
-    said = "this is neither a campaign folder nor a zip of one"
+    said = "this is neither a campaign folder nor a zip file of a campaign folder"
     if file.suffix.lower() not in TABLES:
         return said
     return f"{said}, but a table; import it with `truepose import {file.name} --out CAMPAIGN`"

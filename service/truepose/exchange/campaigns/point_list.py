@@ -173,7 +173,7 @@ def _of_rows(file: str, rows: Sequence[Line]) -> _Columns:
     first = words + 1 if _numbered(rows, words) else words
     if first == 0:
         raise MissingEntryError(
-            "its points have no names; export them with names that tell their configuration",
+            "the points have no names; export them with names that contain the configuration",
             file=file,
         )
     return _Columns(first - 1, (first, first + 1, first + 2), (), None)
@@ -211,7 +211,7 @@ def _unit(file: str, given: str | None, found: str | None) -> str:
         )
     # One of the two is wrong by a factor of ten at least, and only people know which.
     if given is not None and found is not None and given != found:
-        raise WrongUnitError(f"the list says that it is in {found}, but {given} was specified", file=file)
+        raise WrongUnitError(f"the list states the unit {found}, but {given} was specified", file=file)
     return given or found or ""
 
 
@@ -233,7 +233,7 @@ def _point(file: str, line: Line, columns: _Columns, scale: float) -> NamedPoint
 def _numbers(file: str, line: Line, at: Sequence[int]) -> tuple[float, ...]:
     for word in (line.words[place] for place in at):
         if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
-            raise BadValueError(f"{shown(word)} is no coordinate", file=file, line=line.number)
+            raise BadValueError(f"{shown(word)} is not a coordinate", file=file, line=line.number)
     return tuple(float(line.words[place]) for place in at)
 
 
@@ -247,7 +247,7 @@ def _require_one_each(file: str, points: Sequence[NamedPoint]) -> None:
     for point in points:
         if point.name in seen:
             raise BadValueError(
-                f"point {shown(point.name)} is in line {seen[point.name]} as well; keep the valid one",
+                f"point {shown(point.name)} is in line {seen[point.name]} as well; keep the valid entry",
                 file=file,
                 line=point.line,
             )

@@ -171,7 +171,7 @@ def _number(file: str, row: _Row, name: str) -> float:
     if not cell:
         return float("nan")  # an empty cell, which the format's own reader judges
     if not is_number(cell):
-        raise BadValueError(f"{shown(cell)} is no number", file=file, line=row.line, column=name)
+        raise BadValueError(f"{shown(cell)} is not a number", file=file, line=row.line, column=name)
     return float(cell)
 
 

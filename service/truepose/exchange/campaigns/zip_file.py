@@ -158,7 +158,7 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
         # would read.
         path = str(PurePosixPath(entry.filename))  # some programs write ./ before each
         if path in members:
-            raise UnsafeArchiveError(f"member {entry.filename!r} is there twice", file=name)
+            raise UnsafeArchiveError(f"member {entry.filename!r} appears twice", file=name)
         if entry.file_size > max(_SMALL_BYTES, _GREATEST_RATIO * entry.compress_size):
             raise UnsafeArchiveError(
                 f"member {entry.filename!r} expands more than {_GREATEST_RATIO}-fold", file=name

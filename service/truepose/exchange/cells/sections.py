@@ -184,7 +184,8 @@ def read_cone(node: Node) -> float:
     angle_deg = node.number(above=0.0)
     if angle_deg >= _QUARTER_DEG:
         node.fail(
-            f"{angle_deg:g} deg is no cone; a corner cube is visible within 30 deg, a flat artefact within 15"
+            f"{angle_deg:g} deg is not a valid cone angle; a corner cube is visible within 30 deg, a flat "
+            "artefact within 15"
         )
     return math.radians(angle_deg)
 
@@ -221,7 +222,9 @@ def read_people(node: Node) -> tuple[str, ...]:
             entry.fail(f"{name} is listed twice; keep one")
         people.append(name)
     if not people:
-        node.fail("no operators are listed, so nobody could confirm; list operators, or remove the key")
+        node.fail(
+            "no operators are listed, so nobody could confirm a motion; list operators, or remove the key"
+        )
     return tuple(people)
 
 
@@ -268,7 +271,7 @@ def _further(node: Node, keys: Sequence[Key], read: Callable[[Node], T]) -> dict
 
 def _option(node: Node) -> str | int | float | bool:
     if not isinstance(node.value, str | int | float | bool):
-        node.fail("an option of a driver is a text, a number, true or false")
+        node.fail("an option of a driver must be a text, a number, true or false")
     return node.value
 
 
@@ -277,7 +280,7 @@ def read_simulated(root: Node) -> SimulatedCell | None:
     node, effects = root.optional("simulated"), root.optional("effect")
     if node is None:
         if effects is not None:
-            effects.fail("changes can be planted in a simulated cell only; [simulated] is missing")
+            effects.fail("effects can be simulated only in a simulated cell; [simulated] is missing")
         return None
     refuse_unlisted(node, [key.name for key in _SIMULATED])
     planted = () if effects is None else tuple(_read_effect(entry) for entry in effects.items())

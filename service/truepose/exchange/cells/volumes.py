@@ -95,7 +95,7 @@ def _read(node: Node) -> KeepOut:
     if given == set(_CYLINDER):
         return _cylinder(node, name)
     if given != set(_HALF_SPACE):
-        node.fail(f"a keep-out volume has a name and is {_KINDS}; give all keys of one, no others")
+        node.fail(f"a keep-out volume has a name and is {_KINDS}; give all keys of one kind, and no others")
     return HalfSpace(name, node.key("point_mm").vector(), _direction(node.key("outward")))
 
 
@@ -109,7 +109,7 @@ def _cylinder(node: Node, name: str) -> Cylinder:
 def _interval(node: Node) -> tuple[float, float]:
     low, high = node.numbers(2)
     if low >= high:
-        node.fail(f"ends at {high:g}, not above where it begins, {low:g}")
+        node.fail(f"the upper end {high:g} is not above the lower end {low:g}")
     return low, high
 
 
@@ -137,7 +137,10 @@ def read_volume(path: Path, n_joints: int) -> WorkVolume:
         unknown.fail("a work volume has `box` and `joints` only")
     box, joints = root.optional("box"), root.optional("joints")
     if box is None and joints is None:
-        root.fail("a work volume is a [box], ranges of [joints], or both; give one", MissingEntryError)
+        root.fail(
+            "a work volume is a [box], ranges of [joints], or both; give at least one of them",
+            MissingEntryError,
+        )
     return WorkVolume(
         None if joints is None else _ranges(joints.key("ranges_deg"), n_joints),
         None if box is None else tuple(_interval_of_box(box.key(axis)) for axis in _AXES),
@@ -152,5 +155,5 @@ def _ranges(node: Node, n_joints: int) -> tuple[JointRange, ...]:
 def _interval_of_box(node: Node) -> tuple[float, float]:
     low, high = node.numbers(2)
     if low > high:
-        node.fail(f"ends at {high:g}, below where it begins, {low:g}")
+        node.fail(f"the upper end {high:g} is below the lower end {low:g}")
     return low, high

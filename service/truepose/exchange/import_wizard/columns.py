@@ -85,7 +85,7 @@ def _of_point(sheet: Sheet, meanings: Sequence[ColumnMeaning], point: int) -> di
         if meaning.quantity != NOTHING and meaning.point in {0, point}:
             if meaning.column in found:
                 raise BadValueError(
-                    "two columns are assigned to this one; keep one and ignore the other",
+                    "two columns are assigned to this quantity; keep one of them and ignore the other",
                     file=sheet.name,
                     line=sheet.header_line,
                     column=meaning.column,

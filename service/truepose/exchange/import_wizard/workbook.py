@@ -101,7 +101,9 @@ def _sheets(book: _Book) -> list[tuple[str, str]]:
     _read(book, "xl/_rels/workbook.xml.rels", relation)
     _read(book, _BOOK, sheet)
     if len({part for _, part in sheets}) < len(sheets):
-        raise UnreadableFileError("two sheets of the workbook are the same part of it", file=book.name)
+        raise UnreadableFileError(
+            "two sheets of the workbook refer to the same part of the file", file=book.name
+        )
     return sheets
 
 

@@ -138,7 +138,7 @@ def _refusal(robot: Robot, seen: _Plausibility) -> str:
     return (
         f"the model moves the tool of {robot.name} by up to {shift_sentence(seen.shift)}, and up to "
         f"{seen.limit_mm:g} mm is accepted{named}; identify again, or, if the robot truly is that far off, "
-        f"accept it with --max-shift-mm {accepted_mm} (in a notebook max_shift_mm={accepted_mm})"
+        f"accept the model with --max-shift-mm {accepted_mm} (in a notebook max_shift_mm={accepted_mm})"
     )
 
 
@@ -196,14 +196,14 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
     if model.robot.name != cell.robot.name or not _same_table(model.robot, cell.robot):
         raise UnsuitableModelError(
             f"The model is of {model.robot.name}; this cell has {cell.robot.name} "
-            f"({cell.robot_key}), with a different joint table. Push a model of that robot."
+            f"({cell.robot_key}), with a different joint table. Push a model of the robot in this cell."
         )
     known = [nest.centre_mm for nest in cell.nests]
     apart_mm = _apart_mm([nest.centre_mm for nest in model.nests], known)
     if apart_mm > _SAME_NEST_MM:
         raise UnsuitableModelError(
-            f"The model was made with another tool, whose nests lie up to {apart_mm:.3g} mm elsewhere. "
-            f"{_THEN}"
+            f"The model was made with another tool, whose nests are up to {apart_mm:.3g} mm away from "
+            f"those of this cell. {_THEN}"
         )
     # Where the cell file has the nominal robot, not where the model says: else a wrong base would hide in its
     # own reference (decision 0074).
@@ -231,7 +231,7 @@ def accepted_model(document: Mapping[str, Any], cell: Cell, accepted_shift_mm: f
         far = f", with values {far_sentence(handed.far)}" if handed.far else ""
         raise UnsuitableModelError(
             f"The model moves the tool by up to {shift_sentence(handed.shift)}{far}; this cell accepts up to "
-            f"{handed.limit_mm:g} mm. To accept it, confirm that shift (accepted_shift_mm)."
+            f"{handed.limit_mm:g} mm. To accept the model, confirm that shift (accepted_shift_mm)."
         )
     return handed.model
 
@@ -260,8 +260,8 @@ def _apart_mm(
         return 0.0
     if len(centres_mm) != len(known_mm):
         raise UnsuitableModelError(
-            f"The model was made with a tool of {len(centres_mm)} nests; this cell's has {len(known_mm)}. "
-            f"{_THEN}"
+            f"The model was made with a tool of {len(centres_mm)} nests; the tool of this cell has "
+            f"{len(known_mm)}. {_THEN}"
         )
     differences = np.asarray(centres_mm, dtype=float) - np.asarray(known_mm, dtype=float)
     return float(np.linalg.norm(differences, axis=1).max())

@@ -240,7 +240,7 @@ def read_model_document(root: Node) -> Model:
     )
 
 
-NOT_A_MODEL: Final = f'this is not a model file; one begins with "format": "{FORMAT}"'
+NOT_A_MODEL: Final = f'this is not a model file; a model file begins with "format": "{FORMAT}"'
 
 
 def check_format(root: Node) -> None:

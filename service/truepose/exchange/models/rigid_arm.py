@@ -71,8 +71,8 @@ def _fitted(model: Model) -> RigidArm:
     targets = zone_targets(model, _FIT_SEED)
     if targets is None:
         raise UnsuitableModelError(
-            "A table is fitted only to a model that knows its measured zone and needs no measured torques: "
-            "identify again with this version, without torques, or take the identified table."
+            "A table can be fitted only to a model that states its measured zone and needs no measured "
+            "torques: identify again with this version, without torques, or export the identified table."
         )
     return nearest_arm(model, targets, _GEOMETRY)
 

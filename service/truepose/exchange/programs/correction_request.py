@@ -59,7 +59,9 @@ def branch_named(words: str, option: str) -> int:
     """Return the branch of such words as front/up/no flip; raises ConfigurationError."""
     found = branch_of_words(words)
     if found is None:
-        raise ConfigurationError(f"{option} {words}: name one such as front/up/no flip or back/down/flip.")
+        raise ConfigurationError(
+            f"{option} {words}: name a branch such as front/up/no flip or back/down/flip."
+        )
     return found
 
 

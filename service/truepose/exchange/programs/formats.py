@@ -47,7 +47,7 @@ FORMATS: Final = (
     ),
     Format("targets in JSON", (".json",), json_list.read, _FULL, rule=Nearest()),
     Format("G-code", (".nc", ".gcode", ".cnc", ".tap"), gcode.read, _FULL),
-    Format("Yaskawa INFORM", (".jbi",), inform.read, "0.0005 mm, 0.005 deg, or as the job has it", "Yaskawa"),
+    Format("Yaskawa INFORM", (".jbi",), inform.read, "0.0005 mm, 0.005 deg, or as in the job", "Yaskawa"),
     Format("Staubli VAL3", (".dtx",), val3.read, _FULL, "Staubli"),
 )
 

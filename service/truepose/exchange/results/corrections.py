@@ -70,7 +70,7 @@ class CorrectionDocument(Document):
         description="Number of corrected targets outside the measured zone; null if the zone is unknown."
     )
     farthest_outside_mm: Annotated[Quantity, _where_known("farthest_outside_mm", float)] = Field(
-        description="Farthest distance of the last frame outside the measured zone."
+        description="Farthest distance of the flange frame outside the measured zone."
     )
     farthest_outside_deg: Annotated[Quantity, _where_known("farthest_outside_rad", math.degrees)] = Field(
         description="Farthest joint angle outside the measured zone."

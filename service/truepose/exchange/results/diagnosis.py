@@ -110,11 +110,13 @@ class FindingDocument(Document):
     details: list[DetailDocument]
     sentence: Spoken
     confusable_with: list[CauseDocument] = Field(
-        description="Alternative causes that these data cannot distinguish from it."
+        description="Alternative causes that these data cannot distinguish from this cause."
     )
     gain: GainDocument | None
     share: Quantity = Field(description="Share of the systematic error explained by this finding, 0 to 1.")
-    parameters: list[str] = Field(description="Names of its parameters in the extended model.")
+    parameters: list[str] = Field(
+        description="Names of the parameters of this finding in the extended model."
+    )
     curve: CurveDocument | None
     where: str = Field(
         "",

@@ -29,7 +29,7 @@ class LeftOutDocument(Document):
 
 
 class ToolPointDocument(Document):
-    """Centre of a tool nest in the controller's last frame."""
+    """Centre of a tool nest in the flange frame of the controller."""
 
     nest: int
     centre_mm: tuple[float, float, float]

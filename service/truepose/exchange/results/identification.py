@@ -81,7 +81,7 @@ class OutlierDocument(Document):
     config: int
     reason: Spoken
     nest: int = Field(description="Number of the tool nest.")
-    row: int = Field(description="Row of its table, starting at 0.")
+    row: int = Field(description="Row of the reading in its table, starting at 0.")
     residual_mm: Quantity
 
 

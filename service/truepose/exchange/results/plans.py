@@ -61,9 +61,7 @@ class PlanDocument(Document):
     robot: str
     instrument: Literal["tracker", "ballbar", "closed loop"]
     configurations_deg: list[list[float]]
-    nests: list[int] | None = Field(
-        None, description="Tool nest that faces the tracker or is used, for each configuration."
-    )
+    nests: list[int] | None = Field(None, description="Tool nest to be measured, for each configuration.")
     targets: list[list[int]] | None = Field(
         None, description="Targets read at each configuration, in a closed loop."
     )

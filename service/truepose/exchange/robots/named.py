@@ -122,7 +122,7 @@ def read_robot_file(path: Path) -> RobotWithTool:
     reader = _READERS.get(_ending(path.name))
     if reader is None:
         raise UnreadableFileError(
-            f"this is not the name of a robot file; one ends in {', '.join(ENDINGS)}", file=path.name
+            f"this is not the name of a robot file; its name ends in {', '.join(ENDINGS)}", file=path.name
         )
     return reader(path)
 

@@ -181,7 +181,7 @@ def _named(found: Sequence[T]) -> dict[str, T]:
 def _require_links(joint: Joint, links: dict[str, Link]) -> None:
     for name in (joint.parent, joint.child):
         if name not in links:
-            joint.element.fail(f"joint {joint.name!r} names the link {name!r}, which is not there")
+            joint.element.fail(f"joint {joint.name!r} names the link {name!r}, which does not exist")
 
 
 def _link(element: Element) -> Link:
@@ -192,7 +192,7 @@ def _link(element: Element) -> Link:
     kilograms = _numbers(mass, "value", (0.0,))[0]
     _require_plausible(mass, kilograms, "mass_kg")
     if kilograms < 0.0:
-        mass.fail(f"a mass of {kilograms:g} kg cannot be meant")
+        mass.fail(f"a mass of {kilograms:g} kg is not plausible")
     x, y, z = _origin(inertial)[:3, 3].tolist()
     return Link(element.text("name"), element, kilograms, (x, y, z))
 

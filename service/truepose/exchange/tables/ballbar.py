@@ -97,7 +97,7 @@ def read_fixture_table(file: str, data: TableData) -> tuple[FixtureLengths, Igno
     table = read_table(file, data, [*columns_of([_OF_ANY_FIXTURE]), kind, *columns_of(_SIDE)])
     lengths = FixtureLengths(**read_fields(table, [_OF_ANY_FIXTURE, *_SIDE]))
     rightly = (table.numbers("kind") == _KINDS.index("base")) == (lengths.placement > 0)
-    table.require(rightly, "kind", "placement 0 is the tool and every other one a base")
+    table.require(rightly, "kind", "placement 0 is the tool; every other placement is a base")
     table.require(lengths.point_a != lengths.point_b, "point_b", "a side must join two different points")
     return lengths, ignored_columns(table)
 

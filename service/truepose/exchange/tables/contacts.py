@@ -88,10 +88,12 @@ def _check_axes(table: Table, contacts: ContactReadings, targets: Targets) -> No
     table.require(
         ~along | (contacts.axes != NO_AXIS),
         column,
-        f"a reading of {_SEEN} is along an axis of its sensor: {', '.join(_AXES)}",
+        f"a reading of {_SEEN} must be along an axis of its sensor: {', '.join(_AXES)}",
     )
     table.require(
-        along | (contacts.axes == NO_AXIS), column, f"only a reading of {_SEEN} is along an axis of a sensor"
+        along | (contacts.axes == NO_AXIS),
+        column,
+        f"only a reading of {_SEEN} can be along an axis of a sensor",
     )
 
 
@@ -120,11 +122,11 @@ def read_target_table(file: str, data: TableData) -> tuple[tuple[Target, ...], I
     table = read_table(file, data, _target_columns(), together=[_PLACE, _NORMAL])
     numbers = table.whole("target")
     _, first = np.unique(numbers, return_index=True)
-    table.require(np.isin(np.arange(len(numbers)), first), "target", "each target is listed once")
+    table.require(np.isin(np.arange(len(numbers)), first), "target", "each target must be listed only once")
     columns = {name: _or_nan(table, name) for name in ("zero_mm", "u_zero_mm", "form_mm")}
     places, normals = (_vectors(table, names) for names in (_PLACE, _NORMAL))
     length = np.array([1.0 if n is None else np.linalg.norm(n) for n in normals])
-    table.require(length > _LEAST_NORMAL, _NORMAL[0], "a direction has a length")
+    table.require(length > _LEAST_NORMAL, _NORMAL[0], "a direction must not be a zero vector")
     targets = tuple(
         Target(
             number=int(numbers[row]),

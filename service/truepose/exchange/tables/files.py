@@ -60,7 +60,7 @@ def read_visits(file: Path) -> Mapping[str, Stated]:
     Raises
     ------
     InputFileError
-        A column is missing, a day is none, or a campaign stands in two rows.
+        A column is missing, a day is none, or a campaign appears in two rows.
     """
     return visits_from(file.name, read_bytes(file))
 
@@ -71,7 +71,7 @@ def visits_from(name: str, data: bytes) -> Mapping[str, Stated]:
     # Of two rows nobody can say which one counts.
     for line, campaign, stated in _rows(name, numbered_rows(name, data)):
         if campaign in found:
-            raise BadValueError(f"{campaign!r} stands in two rows", file=name, line=line, column="campaign")
+            raise BadValueError(f"{campaign!r} appears in two rows", file=name, line=line, column="campaign")
         found[campaign] = stated
     return found
 

@@ -111,8 +111,8 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     readings = campaign.readings
     if readings is None:
         raise ConfigurationError(
-            "The campaign has no calibration points, ballbar lengths or contacts. Give one of them under "
-            "`files`."
+            "The campaign has no calibration points, ballbar lengths or contacts. Give at least one of "
+            "these under `files`."
         )
     _check(campaign, readings.stops, effects)
     # Positions are placed by a search over base and nests, lengths by one over what they are read against.

@@ -134,8 +134,8 @@ _LOST_MM = 1e4  # a step of ten metres: the start led nowhere
 _AS_TRAVEL_MM = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])  # turns as travel at the end of 100 mm
 _CLEAR = 20.0  # difference of chi-squared that decides between two poses: odds of 1 to 22,000
 _FREE = (
-    "The legs leave the tool free to move at this pose, so its position cannot be computed. Measure another "
-    "leg, or skip the pose."
+    "The leg lengths do not fully constrain the tool at this pose, so its position cannot be computed. "
+    "Measure another leg, or skip the pose."
 )
 
 
@@ -202,7 +202,7 @@ def least_squares_pose(
         )
     if len(above) > 1 and above[1].chi2 - above[0].chi2 < _CLEAR:
         raise ConfigurationError(
-            f"These {len(legs)} legs fit {len(above)} poses. Give the pose to which the robot was commanded."
+            f"These {len(legs)} leg lengths are consistent with {len(above)} poses. Give the commanded pose."
         )
     return above[0]
 
@@ -250,7 +250,8 @@ def fitting_poses(
     starts = starting_poses(fixtures.cups_mm, fixtures.nests_mm, legs, length_mm)
     if not starts:
         raise ConfigurationError(
-            "No pose has these lengths: the legs do not meet, or just touch in a plane. Measure them again."
+            "No pose is consistent with these lengths, or only a pose with all legs in a plane. "
+            "Measure the lengths again."
         )
     # All starts, and not only the best one: of six legs all solutions fit exactly, and which start leads to
     # the wanted one is known only behind the fit.

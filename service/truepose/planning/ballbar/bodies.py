@@ -196,18 +196,20 @@ class BallbarCell:
 
     def __post_init__(self) -> None:
         if self.nests_mm.shape != (3, 3) or not np.all(np.isfinite(self.nests_mm)):
-            raise ConfigurationError("A ballbar pose needs three tool nests with known centres. Enter them.")
+            raise ConfigurationError(
+                "A ballbar pose needs three tool nests with known centres. Enter their centres."
+            )
         if len(self.ranges) != self.robot.n_joints:
             raise ConfigurationError(
                 f"{len(self.ranges)} joint ranges were given for {self.robot.n_joints} joints. Give one "
-                "per joint."
+                "range per joint."
             )
         if not self.link_radii_mm:
             object.__setattr__(self, "link_radii_mm", table_arm_radii_mm(self.robot.n_joints))
         if len(self.link_radii_mm) != self.robot.n_joints + 1:
             raise ConfigurationError(
                 f"{len(self.link_radii_mm)} radii were given for the base and {self.robot.n_joints} links. "
-                "Give one for each."
+                "Give one radius for each."
             )
 
 

@@ -141,7 +141,7 @@ def _linearised(lengths: Lengths, joints: FloatArray) -> tuple[FloatArray, Float
     found = np.asarray(lengths(np.concatenate([joints[None], joints + steps, joints - steps])))
     if not np.all(np.isfinite(found)):
         raise AimError(
-            "The model gives no ballbar lengths at this pose. Check the joint angles and its cups."
+            "The model gives no ballbar lengths at this pose. Check the joint angles and the cups."
         )
     plus, minus = np.split(found[1:], 2)
     return found[0], np.asarray((plus - minus).T / (2 * _DIFFERENCE_RAD))
@@ -350,6 +350,6 @@ def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tup
     try:
         joints = aim_joints(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)
     except AimError:
-        return replace(pose, aimed_mm=None), f"{sentence} It stays as planned."
+        return replace(pose, aimed_mm=None), f"{sentence} The configuration stays as planned."
     plain = replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=None)
     return plain, f"{sentence} Its ballbar lengths are all set to nominal."

@@ -71,7 +71,7 @@ def way(
             return tuple(tuple(float(q) for q in point) for point in points)
     raise NoWayError(
         "No collision-free path between two configurations was found. Move the base fixture away from the "
-        "arm, or leave out one of them."
+        "arm, or leave out one of the two configurations."
     )
 
 

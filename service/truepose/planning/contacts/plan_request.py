@@ -132,7 +132,7 @@ def require_sense(cell: Cell, wish: ContactPlanRequest) -> None:
         the clearance is no longer than the stroke; the nest is none of the tool's.
     """
     if not wish.targets:
-        raise WorkSpaceError("There is no target to measure. Give at least one.")
+        raise WorkSpaceError("There is no target to measure. Give at least one target.")
     for target in wish.targets:
         _require_target(wish, target)
     if wish.loop == "sensor" and len(wish.targets) != 1:

@@ -100,14 +100,16 @@ def require_consistent(space: WorkSpace) -> None:
             if not limit.lower_rad <= limit.upper_rad:
                 raise WorkSpaceError(f"The upper end of the {what} of joint {number} is below the lower end.")
     if not space.nests:
-        raise WorkSpaceError("The cell has no tool nest, so there is nothing to measure. Enter at least one.")
+        raise WorkSpaceError(
+            "The cell has no tool nest, so there is nothing to measure. Enter at least one tool nest."
+        )
     for number, nest in enumerate(space.nests, start=1):
         if nest.centre_mm is None:
-            raise WorkSpaceError(f"Tool nest {number} has no centre. Enter an approximate one.")
+            raise WorkSpaceError(f"Tool nest {number} has no centre. Enter an approximate centre.")
     if space.tracker_position_mm is None and any(nest.facing is not None for nest in space.nests):
         raise WorkSpaceError(
             "A tool nest has a facing direction, but the nominal position of the tracker is missing. "
-            "Enter it."
+            "Enter this position."
         )
 
 

@@ -63,7 +63,7 @@ async def test_a_program_comes_back_with_other_numbers_and_is_on_record(client, 
         {
             "line": 6,
             "what": "MoveL Offs(pNo,0,0,9),v1,fine,tool0",
-            "reason": "its position is computed at run time",
+            "reason": "the position is computed at run time",
             "file": None,
         }
     ]
@@ -189,7 +189,7 @@ SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q
         ("weld.ls", b"/PROG A\n/MN\n/POS\n/END\n", {}, "a program for FANUC robots"),
         ("p.nc", b"G1 X1 Y2 Z3 A0 B0 C0\n", {}, "does not state the axes of A, B and C"),
         ("weld.mod", PROGRAM, {"frame": "tool"}, "frame"),
-        ("weld.mod", PROGRAM, {"branch": "left"}, "branch left: name one such as front/up/no flip"),
+        ("weld.mod", PROGRAM, {"branch": "left"}, "branch left: name a branch such as front/up/no flip"),
         ("weld.mod", PROGRAM, {"define": "tGun=1,2"}, "define tGun=1,2: give NAME=x,y,z,qw,qx,qy,qz"),
     ],
 )
@@ -273,8 +273,8 @@ async def test_the_page_of_a_correction_says_what_became_of_each_target(client, 
     )
 
     assert page.status_code == 200
-    assert "1 of 1 targets corrected. One place in the program was not changed" in page.text
-    assert "its position is computed at run time" in page.text
+    assert "1 of 1 targets corrected. One statement in the program was not changed" in page.text
+    assert "the position is computed at run time" in page.text
     assert "sa place est calculée à l" in french.text
     assert "Shifts of the targets, seen from above and from the front" in page.text
     assert {f"/api/v1/corrections/{number}/file", f"/sessions/new?model_id={model_id}#prove"} <= set(

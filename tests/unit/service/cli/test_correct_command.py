@@ -140,7 +140,7 @@ def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(model
     [
         (("--define", "tGun=1,2"), "give NAME=x,y,z,qw,qx,qy,qz"),
         (("--define", "tGun=0,0,0,1,1,0,0"), "not a unit quaternion"),
-        (("--branch", "left"), "name one such as front/up/no flip"),
+        (("--branch", "left"), "name a branch such as front/up/no flip"),
     ],
 )
 def test_what_is_said_of_a_program_is_checked(model, tmp_path, option, sentence):

@@ -31,7 +31,7 @@ def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
     assert lines[2] == "1. Joint 3 stops 0.021 deg further on when it comes from below: backlash."
     assert lines[3] == "   Amplitude 0.0210 ± 0.0030 deg; likely, p < 0.0001."
     assert lines[4] == (
-        "   Improvement: 0.0420 mm off the held-out RMS error (95 % interval 0.0360 to 0.0470 mm)."
+        "   Improvement: held-out RMS error reduced by 0.0420 mm (95 % interval 0.0360 to 0.0470 mm)."
     )
     assert (
         lines[5] == "   Alternative explanations that these data cannot rule out: joint harmonics, joint 3."
@@ -74,9 +74,10 @@ def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
 
     at = next(k for k, line in enumerate(lines) if line.startswith("Modelled empirically"))
     assert lines[at + 1 : at + 3] == [
-        "   joint 2 over angle of joint 1: RMS error 0.120 mm without it; tool displacement 0.300 mm on "
-        "average, 0.900 mm at most.",
-        "   nest 2: RMS error 0.120 mm without it; tool displacement 0.300 mm on average, 0.900 mm at most.",
+        "   joint 2 over angle of joint 1: RMS error 0.120 mm without this term; tool displacement 0.300 "
+        "mm on average, 0.900 mm at most.",
+        "   nest 2: RMS error 0.120 mm without this term; tool displacement 0.300 mm on average, "
+        "0.900 mm at most.",
     ]
 
 
@@ -102,7 +103,7 @@ def test_a_gain_that_nothing_shows_is_no_number(gain):
 def test_errors_stand_before_and_after():
     table = errors_on_terminal(make_diagnosis())
 
-    assert list(table.columns[0].cells) == ["start model", "after"]
+    assert list(table.columns[0].cells) == ["initial model", "after"]
     assert list(table.columns[3].cells) == ["0.0610", "0.0190"]
     assert "cross-validation" in table.caption
 

@@ -92,7 +92,7 @@ def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
     doubt = english(fit_baseline(with_wild(campaign, of_nest_2), START, relabel=True).doubt)
 
     assert "no model can be trusted" in doubt
-    assert f"of them were taken at nest 2, and so were {len(of_nest_2)} of all readings" in doubt
+    assert f"of these readings were taken at nest 2, as were {len(of_nest_2)} of all readings" in doubt
 
 
 def test_too_many_wild_readings_anywhere_share_nothing(campaign):

@@ -88,7 +88,7 @@ def test_a_real_cell_describes_its_camera(tmp_path):
     [
         ("looks_at_mm = [300.0, 0.0, 300.0]", "looks_at_mm = [2200.0, 100.0, 0.0]", "straight up or down"),
         ("reading_u_mm = 0.06", "reading_u_mm = 0.0", "reading_u_mm"),
-        ("seen_within_deg = 12.0", "seen_within_deg = 95.0", "no cone"),
+        ("seen_within_deg = 12.0", "seen_within_deg = 95.0", "not a valid cone"),
         ("artefact_u_mm = 0.02", "artefact_mm = 0.02", "artefact_mm"),
     ],
 )

@@ -52,7 +52,7 @@ def test_members_that_lead_out_of_the_archive_are_refused(name):
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize("name", ["campaign.json", "./campaign.json", ".//campaign.json"])
 def test_a_member_that_is_there_twice_is_refused(name):
-    with pytest.raises(UnsafeArchiveError, match=r"campaign.json' is there twice"):
+    with pytest.raises(UnsafeArchiveError, match=r"campaign.json' appears twice"):
         read_campaign_zip(zipped([*members(), (name, "{}")]))
 
 

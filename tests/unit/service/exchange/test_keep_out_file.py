@@ -59,7 +59,7 @@ def test_a_cell_file_says_within_which_angle_the_artefact_is_seen(tmp_path, said
 def test_an_angle_that_is_no_cone_is_refused(tmp_path):
     text = '[simulated]\nscenario = "irb120-tilted"\n[limits]\nseen_within_deg = 120\n'
 
-    with pytest.raises(InputFileError, match="is no cone"):
+    with pytest.raises(InputFileError, match="is not a valid cone"):
         read_cell(written(tmp_path, text, "cell.toml"))
 
 

@@ -42,7 +42,7 @@ def test_a_box_alone_as_json(tmp_path):
 
 
 def test_a_file_that_limits_nothing_is_refused(tmp_path):
-    with pytest.raises(MissingEntryError, match=r"volume\.toml.*give one"):
+    with pytest.raises(MissingEntryError, match=r"volume\.toml.*give at least one"):
         read_volume(written(tmp_path, ""), 6)
 
 

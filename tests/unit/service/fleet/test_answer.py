@@ -51,7 +51,7 @@ def test_where_nothing_changes_all_are_due_by_the_day_that_they_were_measured_la
     assert [one.why for one in robots] == ["longest_ago"] * 6
     assert english(headline(steady)).startswith("No significant change. ")
     assert english(next_said(robots[0], 0.1)) == (
-        "Measure robot 0 next. No particular reason; it was last measured on 2026-05-31."
+        "Measure robot 0 next. No robot needs measuring urgently; this robot was last measured on 2026-05-31."
     )
 
 
@@ -115,8 +115,8 @@ def test_a_robot_whose_newest_campaign_was_left_out_is_measured_again(steady):
 
     assert (first.robot, first.why) == ("robot 3", "unlike")
     assert english(next_said(first, 0.1)) == (
-        "Measure robot 3 next. "
-        "Its campaign of 2026-06-30 differs from its others and was left out: measure it again."
+        "Measure robot 3 next. Its campaign of 2026-06-30 differs from its other campaigns and was left out: "
+        "measure this robot again."
     )
 
 

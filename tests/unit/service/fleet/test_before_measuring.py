@@ -81,7 +81,7 @@ def test_few_readings_with_the_type_promise_more_than_many_without(space, belief
     assert found.needed > 20  # a robot's 90 parameters from what is stated of any robot
     assert found.same_mm > 2.0 * found.pooled.mean_mm
     sentence = english(new_robot_said(found))
-    assert f"{found.pooled.mean_mm:.3f} mm with 15 configurations and the data of its type" in sentence
+    assert f"{found.pooled.mean_mm:.3f} mm with 15 configurations and the type data" in sentence
     assert f"the same parameters need {found.needed} configurations" in sentence
 
 

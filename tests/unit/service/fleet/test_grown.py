@@ -46,9 +46,7 @@ def test_where_nothing_has_grown_nothing_is_told(account):
     assert not any(one.is_told for one in found)
     assert len(found) == 17  # five springs and twelve lines of gears
     assert said[0].startswith("None of the causes checked in robot 01 has grown significantly")
-    assert said[1].startswith(
-        "Growth of any of 17 causes would have been detected with 95 % probability from 0."
-    )
+    assert said[1].startswith("Growth of any of 17 causes by 0.")
 
 
 def test_what_has_grown_is_told_with_its_size(account):

@@ -31,5 +31,5 @@ def test_a_drift_is_said_over_all_of_its_days():
     drift = [english(one) for one in least_said(account) if leading_key(one) == "fleet.least.drift"]
 
     assert np.all(np.isfinite(found.size_mm))
-    assert [one.split(" would")[0] for one in drift] == ["A drift of tracker 0", "A drift of tracker 1"]
-    assert all("in 150 days on" in one for one in drift)
+    assert [one.split(" by ")[0] for one in drift] == ["A drift of tracker 0", "A drift of tracker 1"]
+    assert all("or more in 150 days (" in one for one in drift)

@@ -77,8 +77,8 @@ def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
 
     as_usual, strange = (english(identify(campaign, believed=one).message) for one in (alike, unlike))
 
-    assert "like its type" not in as_usual
-    assert "the robot is not like its type, most of all in theta_3" in strange
+    assert "others of its type" not in as_usual
+    assert "the robot differs from others of its type, most of all in theta_3" in strange
 
 
 def test_a_covariance_that_is_none_is_refused(told):

@@ -113,7 +113,7 @@ def test_readings_of_one_configuration_are_drawn_together(campaign):
 
 
 def test_too_few_configurations_or_draws_say_nothing(fitted):
-    with pytest.raises(ConfigurationError, match="Resample by noise"):
+    with pytest.raises(ConfigurationError, match="Resample the noise"):
         Resampling(measured(nominal_campaign(8), effects=("base",))[0], ("base",)).draw(
             "configurations", np.random.default_rng(0)
         )

@@ -206,8 +206,8 @@ def test_what_stays_open_because_of_a_volume_is_named_with_it():
     assert ("base_x", "a_2") in [group.parameters for group in between.left_open]
     for group in between.left_open:
         assert english(group.reason) == (
-            "joint 1 never moved: the parameters before and after it cannot be separated; it would be "
-            "determined if any one of the keep-out volumes left plate, right plate were removed"
+            "joint 1 never moved: the parameters of the links before and after this joint cannot be "
+            "separated; removing any one of the keep-out volumes left plate, right plate would resolve this"
         )
 
 
@@ -219,7 +219,7 @@ def test_a_volume_that_leaves_something_open_alone_is_named_alone():
 
     (blamed,) = because_of(ALL, (group,), open_without)
 
-    assert english(blamed.reason) == "a reason; it would be determined without the keep-out volume wall"
+    assert english(blamed.reason) == "a reason; removing the keep-out volume wall would resolve this"
 
 
 def test_what_would_stay_open_without_any_volume_is_not_put_down_to_them():

@@ -160,7 +160,7 @@ CERTAIN = (
     "Order 2 Phase 41.2 ± 3.7 deg",
     "Certain : no alternative explanation fits these data nearly as well",
     "the 95 % interval of the improvement lies above 0.",
-    "Not a cause that these data can show. However, these data cannot show the following ",
+    "None of the causes that these data can show. However, these data cannot show the following ",
     "the following similar causes at all:",
     "backlash: all configurations were approached from the same side",
     "wave_6_2_cos 0.0218 0.0013 deg",  # 3.8e-4 rad and 2.3e-5 rad
@@ -169,7 +169,7 @@ LIKELY = (
     "(2.07 ± 0.19) × 10⁻⁴",  # noqa: RUF001 - as it is printed
     "(1.70 to 2.44) × 10⁻⁴",  # noqa: RUF001
     "95 % interval −0.0002 to 0.0059 mm",  # noqa: RUF001
-    "these data cannot distinguish it from joint harmonics, joint 2; "
+    "these data cannot distinguish this cause from joint harmonics, joint 2; "
     "the 95 % interval of the improvement includes 0",
     "No measurement that would distinguish them is proposed.",
 )
@@ -181,7 +181,10 @@ LIKELY = (
         (make_finding(curve=None), CERTAIN),
         (make_gain_finding(curve=None), LIKELY),
         (make_finding(curve=None, parameters=WAVES), ("120, from wave_6_1_sin to wave_6_60_cos",)),
-        (make_finding(curve=None, parameters=("no_such",)), ("This is the start model: nothing was added.",)),
+        (
+            make_finding(curve=None, parameters=("no_such",)),
+            ("This is the initial model: nothing was added.",),
+        ),
         (
             make_finding(effect="gear_resonance", subject="joint 4", unit="mm/V", curve=None),
             ("Gear resonance, joint 4", "0.0293 ± 0.0019 mm/V"),
@@ -210,7 +213,7 @@ def test_an_unknown_uncertainty_is_not_printed_as_zero():
 def test_a_gain_that_nothing_can_show_is_said():
     text = page_of(plain(findings=(make_finding(curve=None, gain=None),))).text
 
-    assert "Improvement, held out not known no held-out readings can show it" in text
+    assert "Improvement, held out not known there are no held-out readings to confirm it" in text
     assert "the 95 % interval of the improvement" not in text
 
 
@@ -234,8 +237,8 @@ def test_without_statistics_there_is_nothing_to_judge():
         (
             "two findings",
             (
-                "Yes. These data cannot distinguish it from: joint harmonics, joint 2. "
-                "To distinguish it: Turn joint 2",
+                "Yes. These data cannot distinguish this cause from: joint harmonics, joint 2. "
+                "To distinguish them: Turn joint 2",
                 "made held-out errors 0.002 mm worse and was withdrawn",
                 "Joint angles [deg]",
                 "1 0.00 −90.00 30.00 0.00 45.00 0.00",  # noqa: RUF001
@@ -261,7 +264,7 @@ def test_what_is_left_shows_what_it_depends_on(pages):
 def test_what_was_tried_and_what_cannot_be_seen_stand_apart():
     text = page_of(plain()).text
 
-    tried, unseen = text.split("What these data cannot show")
+    tried, unseen = text.split("Causes that these data cannot show")
     assert "payload tool torques explain nothing more 0.55" in tried
     assert "thermal growth links the temperature changed by 0.4 K only" in unseen
 

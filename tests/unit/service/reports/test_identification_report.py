@@ -148,7 +148,9 @@ def test_without_held_out_readings_the_report_warns_that_its_pictures_flatter(
 
     text = Page(report_of(tmp_path, identification, campaign_without_validation)).text
 
-    assert "The plots show the readings used to identify the model, so it looks better than it is" in text
+    assert (
+        "The plots show the readings used to identify the model, so the model looks better than it is" in text
+    )
     assert "Cross-validation" in text
     assert "each predicted by a model fitted without its configuration" in text
 

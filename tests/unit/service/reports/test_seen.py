@@ -43,7 +43,7 @@ def test_several_waves_name_the_largest_and_count_the_others():
     text = english(joints_sentence(joints, residual))
 
     assert text.startswith("Joint 6 shows the largest harmonic, order 3 per turn")
-    assert "Number of joints with smaller ones: 1." in text
+    assert "Number of joints with smaller harmonics: 1." in text
     assert (
         catalogue("fr")
         .spoken(joints_sentence(joints, residual))

@@ -76,7 +76,7 @@ def test_of_waves_the_largest_beyond_its_uncertainty_is_told():
 
     assert english(spectrum_sentence(Spectrum(orders, np.array([0.004, 0.02, 0.0]), u))) == (
         "The largest harmonic has order 2 per turn, 0.0200 deg. "
-        "Others larger than three times their standard uncertainty: 1."
+        "Other harmonics larger than three times their standard uncertainty: 1."
     )
     assert leading_key(spectrum_sentence(Spectrum(orders, u, u))) == "seen.spectrum.nothing"
 
@@ -149,7 +149,7 @@ def test_parameters_that_an_assumption_holds_are_counted_and_combinations_too():
     told = english(observability_sentence(found, [NotIdentifiable(("d_2", "d_3"), "")]))
 
     assert "2 of 3 parameters" in told
-    assert "The worst is a_3: its uncertainty is still 100 %" in told
+    assert "The worst parameter is a_3: its uncertainty is still 100 %" in told
     assert told.endswith("distinguish at all: 1.")
 
 

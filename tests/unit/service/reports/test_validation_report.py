@@ -180,7 +180,7 @@ def test_the_terminal_says_the_same(points):
 
     text = " ".join(printed(validation_summary(found), pose_test_summary(pose_test(MODEL, points))).split())
 
-    assert "Simple acceptance: it conforms. The uncertainty is not taken into account." in text
+    assert "Simple acceptance: the robot conforms. The uncertainty is not taken into account." in text
     assert "Withheld: AP of P3: P3 was measured in 29 cycles" in text
     assert "Five poses do not prove accuracy" in text
 

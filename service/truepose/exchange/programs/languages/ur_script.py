@@ -101,7 +101,7 @@ def _require_ends(source: Source, lines: Sequence[Tokens]) -> None:
             opened.append(first)
         elif first.text == "end":
             if not opened:
-                source.fail("this end closes nothing", first.start)
+                source.fail("this end has no matching beginning", first.start)
             opened.pop()
     if opened:
         begin = opened[-1]

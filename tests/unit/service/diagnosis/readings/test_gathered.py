@@ -35,7 +35,7 @@ def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
     found = shared_properties(scene, bad)
 
     assert english(found.sentence).startswith(
-        "6 of them were taken at nest 2 in mounting 3 of the tool, and so were 8 of all readings"
+        "6 of these readings were taken at nest 2 in mounting 3 of the tool, as were 8 of all readings"
     )
     assert found.on.variable == "nest and attachment of the tool"
     assert found.p_value < 1e-4
@@ -55,9 +55,8 @@ def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene)
     found = shared_properties(scene, bad)
 
     assert (found.on.variable, found.on.joint) == ("angle of joint 5", 4)
-    assert (
-        f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, and so were 24 of all readings"
-        in english(found.sentence)
+    assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as were 24 of all readings" in english(
+        found.sentence
     )
 
 

@@ -314,7 +314,7 @@ def test_two_columns_that_a_person_takes_for_the_same_are_refused():
     fault = read_imported_files({"mine.csv": plain()}, choices).understood.fault
 
     assert (fault.file, fault.line) == ("mine.csv", 1)
-    assert "two columns are assigned to this one" in fault.sentence
+    assert "two columns are assigned to this quantity" in fault.sentence
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def test_another_tool_is_said_with_how_far_apart():
     fewer = replace(MODEL, nests=(*MODEL.nests, NestCentre(9, (x, y, z))))
 
     assert handed(nearly).nests == nearly.nests
-    with pytest.raises(UnsuitableModelError, match="up to 3 mm elsewhere"):
+    with pytest.raises(UnsuitableModelError, match="up to 3 mm away"):
         handed(moved)
     with pytest.raises(UnsuitableModelError, match="a tool of"):
         handed(fewer)

@@ -68,7 +68,7 @@ def test_a_list_that_states_its_unit_needs_none(text):
 def test_a_unit_is_never_guessed_and_never_overruled():
     with pytest.raises(WrongUnitError, match="does not state its unit; specify one: mm, m, cm, in"):
         read("P1 1 2 3\n", None)
-    with pytest.raises(WrongUnitError, match="says that it is in mm, but in was specified"):
+    with pytest.raises(WrongUnitError, match="states the unit mm, but in was specified"):
         read("// Units: Millimeters\nP1 1 2 3\n", "in")
     assert told("P1 1 2 3\n", "m") == [("P1", (1000.0, 2000.0, 3000.0))]
 
@@ -88,18 +88,18 @@ def test_uncertainties_count_where_a_header_names_them():
         ("// only this\n", UnreadableFileError, "no point"),
         ("Name,X,Y,Z\n", UnreadableFileError, "no point"),
         ("1.5 2.5 3.5\n", MissingEntryError, "no names"),
-        ("P1 1 2 3\nP2 1 two 3\n", BadValueError, "line 2: 'two' is no coordinate"),
+        ("P1 1 2 3\nP2 1 two 3\n", BadValueError, "line 2: 'two' is not a coordinate"),
         ("P1 1 2 3\nP2 1 2\n", UnreadableFileError, "line 2: 3 fields found where 4"),
         ("X,Y,Z,Name\n1,2,3,P1\n4,5,6\n", UnreadableFileError, "line 3: 3 fields found where 4"),
         ("P1 1 2 3\nP1 4 5 6\n", BadValueError, "line 2: point 'P1' is in line 1 as well"),
-        ("P1 1 2 3\nP2 1 2 nan\n", BadValueError, "line 2: 'nan' is no coordinate"),
-        ("P1 1 2 3\nP2 1 2 1e999\n", BadValueError, "line 2: '1e999' is no coordinate"),
+        ("P1 1 2 3\nP2 1 2 nan\n", BadValueError, "line 2: 'nan' is not a coordinate"),
+        ("P1 1 2 3\nP2 1 2 1e999\n", BadValueError, "line 2: '1e999' is not a coordinate"),
         (
             f"P1,1,2,{'3' * 140_000}\n",
             UnreadableFileError,
             "line 1: the line has more than 65,536 characters",
         ),
-        (f"P1 1 2 {'3' * 5000}\n", BadValueError, "...' is no coordinate"),
+        (f"P1 1 2 {'3' * 5000}\n", BadValueError, "...' is not a coordinate"),
         ("\0\0P1 1 2 3\n", UnreadableFileError, "not text"),
     ],
 )

@@ -105,7 +105,7 @@ BROKEN = {
     ),
     "URScript that ends twice": (
         "def m():\nend\nend\n",
-        "m.script, line 3, column 1: this end closes nothing.",
+        "m.script, line 3, column 1: this end has no matching beginning.",
     ),
     "G-code that does not say its angles": (
         "G1 X0 Y0 Z0 A0 B0 C0\n",

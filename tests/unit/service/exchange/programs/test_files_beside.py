@@ -51,7 +51,7 @@ def test_a_point_that_the_program_changes_is_left_alone():
     program = points(b"P1.Z=P1.Z+10", b"LIN P1")
 
     assert [target.name for target in program.targets] == ["P2"]
-    assert reasons(program) == {2: "the program changes it in line 2 of row.src"}
+    assert reasons(program) == {2: "the program changes the target in line 2 of row.src"}
 
 
 def test_what_the_program_leaves_alone_is_told_where_it_uses_points_of_the_list():
@@ -59,7 +59,7 @@ def test_what_the_program_leaves_alone_is_told_where_it_uses_points_of_the_list(
 
     (left,) = program.left_alone
     assert (left.line, left.what, left.file) == (3, "LIN P1:{Z 5}", "row.src")
-    assert english(left.reason) == "its position is computed at run time; corrected in the file: P1"
+    assert english(left.reason) == "the position is computed at run time; corrected in the file: P1"
 
 
 def test_targets_of_the_files_beside_are_not_among_the_answer():

@@ -95,13 +95,13 @@ def test_numbers_of_tool_and_base_may_be_given_by_a_call():
     [
         (
             (b"P1.Z=P1.Z+10", b"LIN P1"),
-            {3: "the program changes it in line 4", 4: "its position is computed at run time"},
+            {3: "the program changes the target in line 4", 4: "the position is computed at run time"},
         ),
         (
             (b"$BASE=BASE_DATA[1]", b"LIN P1", b"$BASE=BASE_DATA[2]", b"LIN P1"),
             {
-                3: "it is used with BASE_DATA[1] in line 5 and with BASE_DATA[2] in line 7, and the same "
-                "numbers cannot be correct for both"
+                3: "the target is used with BASE_DATA[1] in line 5 and with BASE_DATA[2] in line 7, and the "
+                "same numbers cannot be correct for both"
             },
         ),
         ((MOVED, b"LIN P1"), {5: "the base is moved by another mechanical unit"}),

@@ -70,7 +70,7 @@ def test_a_block_behind_a_shifted_zero_is_left_alone():
     program = read("n.nc", b"G92 X0 Y0 Z0\nG1 X1 Y2 Z3 A0 B0 C0\n")
 
     assert program.targets == ()
-    assert reasons(program) == {2: "its zero was shifted in an earlier block"}
+    assert reasons(program) == {2: "the zero was shifted in an earlier block"}
 
 
 def test_a_dwell_is_no_motion():
@@ -78,7 +78,7 @@ def test_a_dwell_is_no_motion():
 
 
 def test_a_block_with_variables_is_left_alone():
-    assert reasons(read("n.nc", b"G1 X#1 Y2 Z3 A0 B0 C0\n")) == {1: "its position is computed at run time"}
+    assert reasons(read("n.nc", b"G1 X#1 Y2 Z3 A0 B0 C0\n")) == {1: "the position is computed at run time"}
 
 
 def test_positions_of_a_job_stand_in_their_frames():

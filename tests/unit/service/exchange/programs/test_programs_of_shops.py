@@ -5,69 +5,71 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import PROGRAMS, line_of, named, read, reasons
 
+CHOSEN = "the array element is selected at run time"
+UNTRACED = "how this statement uses the target cannot be traced"
 ARC = "an arc passes through points that are not targets"
-RELATIVE = "it moves relative to the robot's current position"
+RELATIVE = "the motion is relative to the robot's current position"
 LEFT = {
     "row.mod": {
-        b"MoveJ Offs(pPick": "its position is computed at run time; corrected in the file: pPick",
-        b"MoveL pRow{i}": "the element is selected at run time; corrected in the file: pRow{1}, pRow{2}",
-        b"MoveL pNow": "its position is computed at run time",
+        b"MoveJ Offs(pPick": "the position is computed at run time; corrected in the file: pPick",
+        b"MoveL pRow{i}": f"{CHOSEN}; corrected in the file: pRow{{1}}, pRow{{2}}",
+        b"MoveL pNow": "the position is computed at run time",
         b"MoveC pPick,pRow{2}": f"{ARC}; corrected in the file: pPick, pRow{{2}}",
-        b"MoveL *": "its target is not written out (*)",
-        b"place pPick": "what it does with the target cannot be followed; corrected in the file: pPick",
-        b"MoveL pWhere": "it is an argument of the routine",
-        b"MoveL pElsewhere": "it is not declared in this file",
-        b"robtarget pShift": "the program changes it in line 31",
-        b"pShift.trans.z:=": "its position is computed at run time",
+        b"MoveL *": "the target is not written out (*)",
+        b"place pPick": f"{UNTRACED}; corrected in the file: pPick",
+        b"MoveL pWhere": "the target is an argument of the routine",
+        b"MoveL pElsewhere": "the target is not declared in this file",
+        b"robtarget pShift": "the program changes the target in line 31",
+        b"pShift.trans.z:=": "the position is computed at run time",
     },
     "row.src": {
-        b"PTP XP1": "it is not declared in this file",
-        b"LIN PTS[2]:OFFS": "its position is computed at run time; corrected in the file: PTS[2]",
-        b"LIN PTS[I]": "the element is selected at run time; corrected in the file: PTS[1], PTS[2]",
-        b"LIN {X 100}": "it does not give Y, Z, A, B, C; these keep their previous values",
+        b"PTP XP1": "the target is not declared in this file",
+        b"LIN PTS[2]:OFFS": "the position is computed at run time; corrected in the file: PTS[2]",
+        b"LIN PTS[I]": f"{CHOSEN}; corrected in the file: PTS[1], PTS[2]",
+        b"LIN {X 100}": "the target does not state Y, Z, A, B, C; these keep their previous values",
         b"LIN_REL": RELATIVE,
         b"CIRC PTS[1],PTS[2]": f"{ARC}; corrected in the file: PTS[1], PTS[2]",
-        b"LIN HERE": "its position is computed at run time",
-        b"MOVEIT(": "what it does with the target cannot be followed; corrected in the file: PTS[1]",
+        b"LIN HERE": "the position is computed at run time",
+        b"MOVEIT(": f"{UNTRACED}; corrected in the file: PTS[1]",
     },
     "row.dat": {
         b"E6POS XP2": "the robot holds the workpiece and the tool is stationary",
     },
     "row.ls": {
-        b"CNT50 Offset,PR[1]": "it is displaced at run time; corrected in the file: P[2: approach]",
+        b"CNT50 Offset,PR[1]": "the target is displaced at run time; corrected in the file: P[2: approach]",
         b"C P[3]": ARC,
         b"L PR[1]": "its position register is not in the file",
-        b"L P[R[1]]": "the element is selected at run time",
-        b"L P[8]": "it is not declared in this file",
+        b"L P[R[1]]": CHOSEN,
+        b"L P[8]": "the target is not declared in this file",
         b"FINE INC": f"{RELATIVE}; corrected in the file: P[2: approach]",
-        b"P[5]{": "it was never taught",
-        b"P[7]{": "the program changes it in line 20",
+        b"P[5]{": "the target was never taught",
+        b"P[7]{": "the program changes the target in line 20",
     },
     "row.script": {
-        b"movel(pose_trans": "its position is computed at run time; corrected in the file: pts[0], pts[1]",
-        b"movel(pts[i])": "the element is selected at run time; corrected in the file: pts[0], pts[1]",
-        b"d2r(5)": "its position is computed at run time",
+        b"movel(pose_trans": "the position is computed at run time; corrected in the file: pts[0], pts[1]",
+        b"movel(pts[i])": f"{CHOSEN}; corrected in the file: pts[0], pts[1]",
+        b"d2r(5)": "the position is computed at run time",
         b"movec(": f"{ARC}; corrected in the file: pts[0], pts[1]",
-        b"movel(other)": "it is not declared in this file",
-        b"servoj(": "its motion is controlled at run time",
-        b"grip(": "what it does with the target cannot be followed; corrected in the file: pts[0], pts[1]",
+        b"movel(other)": "the target is not declared in this file",
+        b"servoj(": "the motion is controlled at run time",
+        b"grip(": f"{UNTRACED}; corrected in the file: pts[0], pts[1]",
     },
     "row.json": {},
     "row.nc": {
-        b"N40": "it does not give Y, Z, A, B, C; these keep their previous values",
+        b"N40": "the target does not state Y, Z, A, B, C; these keep their previous values",
         b"N50": ARC,
         b"N90": RELATIVE,
-        b"G28": "it moves to a fixed position of the machine",
+        b"G28": "this statement moves to a fixed position of the machine",
     },
     "row.jbi": {
         b"C00000=-1": "its values are in pulses, and the job does not state the number of pulses per degree",
-        b"MOVL C00002 V=100.0": "it is displaced at run time",
-        b"MOVL P[I000]": "the element is selected at run time",
+        b"MOVL C00002 V=100.0": "the target is displaced at run time",
+        b"MOVL P[I000]": CHOSEN,
         b"IMOV P003": f"{RELATIVE}; corrected in the file: P00003",
         b"MOVC C00002": ARC,
     },
     "row.dtx": {
-        b'key="1" x="5"': "it does not give y, z, rx, ry, rz",
+        b'key="1" x="5"': "the target does not state y, z, rx, ry, rz",
     },
 }
 

@@ -128,7 +128,7 @@ def test_an_argument_hides_a_target_of_the_same_name():
 
     program = read("m.mod", module(P10, *lines))
 
-    assert reasons(program) == {4: "it is an argument of the routine"}
+    assert reasons(program) == {4: "the target is an argument of the routine"}
     assert program.targets[0].tool is None
 
 
@@ -136,7 +136,7 @@ def test_a_call_with_an_option_is_no_assignment():
     program = routine(b"place p10\\Speed:=v100;")
 
     assert reasons(program) == {
-        4: "what it does with the target cannot be followed; corrected in the file: p10"
+        4: "how this statement uses the target cannot be traced; corrected in the file: p10"
     }
 
 
@@ -167,14 +167,14 @@ ALONE = {
     "it only serves to compute others": (
         [P10],
         [b"MoveL RelTool(p10,0,0,5),v100,fine,tool0;"],
-        {4: "its position is computed at run time"},
+        {4: "the position is computed at run time"},
     ),
     "two work objects": (
         [P10],
         [b"MoveL p10,v100,fine,tool0;", b"MoveL p10,v100,fine,tool0\\WObj:=wB;"],
         {
-            2: "it is used with tool0 in wobj0 in line 4 and with tool0 in wB in line 5, and the same "
-            "numbers cannot be correct for both"
+            2: "the target is used with tool0 in wobj0 in line 4 and with tool0 in wB in line 5, and the "
+            "same numbers cannot be correct for both"
         },
     ),
     "a work object that another unit moves": (
@@ -205,7 +205,7 @@ ALONE = {
     "numbers that have names": (
         [P10.replace(b"1,2,3", b"100+dx,0,0")],
         [],
-        {2: "some of its numbers are computed or given by name"},
+        {2: "some of the target's numbers are computed or given by name"},
     ),
     "an orientation that was never taught": (
         [P10.replace(b"[1,0,0,0]", b"[0,0,0,0]")],
@@ -215,7 +215,7 @@ ALONE = {
     "a motion that the program displaces": (
         [P10],
         [b"PDispSet poseDiff;", b"MoveL p10,v100,fine,tool0;", b"PDispOff;"],
-        {4: "it displaces the targets that follow", 5: "it is displaced at run time"},
+        {4: "this statement displaces the targets that follow", 5: "the target is displaced at run time"},
     ),
     "a search": (
         [P10],

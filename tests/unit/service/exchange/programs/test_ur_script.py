@@ -64,7 +64,7 @@ def test_a_variable_that_is_computed_later_is_left_alone():
     program = program_of("a=p[0,0,.1,0,0,0]", "movel(a)", "a=pose_add(a, b)", "movel(a)")
 
     assert program.targets == ()
-    assert reasons(program)[2] == "the program changes it in line 4"
+    assert reasons(program)[2] == "the program changes the target in line 4"
 
 
 def test_a_variable_may_be_called_like_the_head_of_a_routine():
@@ -76,7 +76,7 @@ def test_a_variable_may_be_called_like_the_head_of_a_routine():
 def test_no_depth_of_calls_ends_the_reader():
     program = program_of(f"movej({'get_inverse_kin(' * 40}p[0,0,0,0,0,0]{')' * 40})")
 
-    assert reasons(program) == {2: "its position is computed at run time"}
+    assert reasons(program) == {2: "the position is computed at run time"}
     with pytest.raises(UnreadableFileError, match="line 2, column 806: brackets are nested too deep"):
         program_of(f"movej({'get_inverse_kin(' * 5000}p[0,0,0,0,0,0]{')' * 5000})")
 

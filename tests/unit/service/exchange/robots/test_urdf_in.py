@@ -160,13 +160,13 @@ MIMIC = '<mimic joint="a"/>'
         (robot(joint("a", "b", "c", more='<limit lower="1" upper="1"/>')), "is not below the upper limit"),
         (
             robot(joint("a", "b", "c")).replace('<link name="c"/>', ""),
-            "link 'c', which is not there",
+            "link 'c', which does not exist",
         ),
         (robot(joint("a", "b", "c"), joint("a", "c", "d")), "a second joint is called 'a'"),
         (robot(joint("a", "b", "c")).replace('<child link="c"/>', ""), "<joint> needs a <child>"),
         (
             robot(links=['<link name="l"><inertial><mass value="-1"/></inertial></link>']),
-            "-1 kg cannot be",
+            "-1 kg is not plausible",
         ),
         ('<robot name="r" xmlns:xacro="x"><xacro:include filename="f"/></robot>', "this is a xacro file"),
         ("<sdf/>", "begins with <sdf>, not <robot>"),

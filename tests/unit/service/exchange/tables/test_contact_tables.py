@@ -96,8 +96,11 @@ def test_a_row_without_an_axis_has_none():
         (lambda: contacts("1,10,1,1,0,0.002,w", header=HEADER + ",axis", targets=BALL), "x or y or z"),
         (lambda: contacts("1,10,1,1,0,0"), "greater than 0"),
         (lambda: read_target_table("targets.csv", b"target,kind\n1,cube\n"), "sphere or wire"),
-        (lambda: read_target_table("targets.csv", b"target,kind\n1,wire\n1,wire\n"), "listed once"),
-        (lambda: read_target_table("targets.csv", b"target,kind,nx,ny,nz\n1,plane,0,0,0\n"), "has a length"),
+        (lambda: read_target_table("targets.csv", b"target,kind\n1,wire\n1,wire\n"), "listed only once"),
+        (
+            lambda: read_target_table("targets.csv", b"target,kind,nx,ny,nz\n1,plane,0,0,0\n"),
+            "must not be a zero vector",
+        ),
         (lambda: read_target_table("targets.csv", b"target,kind,nx\n1,plane,0\n"), "ny"),
         (lambda: distances("1,4,300,0.001"), "that have a centre: 1, 2"),
         (

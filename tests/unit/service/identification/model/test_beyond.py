@@ -168,8 +168,10 @@ def test_the_sentence_says_who_is_held_and_in_how_many_rows(effect):
 
     (sentence,) = map(english, unpredictable(made, replace(stops(), time_s=times)))
 
-    assert sentence.startswith(f"{effect} was observed only from the first to the last reading")
-    assert "3 of 5 rows are earlier or later: for these rows it keeps its first or last value" in sentence
+    assert sentence.startswith(f"{effect} was observed only between the first and last readings")
+    assert (
+        "3 of 5 rows fall before or after that period; the first or last observed value is used" in sentence
+    )
 
 
 def test_a_model_that_says_nothing_of_its_campaign_lasted_an_hour():

@@ -77,7 +77,7 @@ def test_rows_without_the_column_leave_the_effect_out_and_are_less_certain(effec
 
     plain, known = predict(arm(), stops, nest)
     assert sentence.startswith(f"{effect} needs ")
-    assert f"which {N} of {N} rows lack: for these rows it is omitted" in sentence
+    assert f"which {N} of {N} rows lack: the effect is omitted for these rows" in sentence
     assert position == pytest.approx(plain, abs=1e-9)
     assert np.all(uncertainty > known)
 
@@ -151,7 +151,7 @@ def test_a_mounting_that_the_model_was_not_made_with_is_unpredictable():
     (sentence,) = map(english, unpredictable(model, stops))
     _, uncertainty = predict(model, stops, nest)
 
-    assert "needs an attachment from the data of the model, which 40 of 60 rows lack" in sentence
+    assert "needs an attachment that occurs in the model's data, which 40 of 60 rows lack" in sentence
     _, known = predict(arm(), stops, nest)
     added = uncertainty**2 - known**2
     # A seat of 0.1 mm in 300 mm changes the levers of the parameters, and so their share, by 3e-4 at most.
@@ -175,7 +175,7 @@ def test_two_effects_that_need_the_same_are_both_named():
 
     assert [sentence.split()[0] for sentence in sentences] == ["base_drift", "base_shift"]
     assert all(
-        "60 of 60 rows lack: for these rows it is taken as after the last reading" in line
+        "60 of 60 rows lack: these rows are treated as later than the last reading" in line
         for line in sentences
     )
 
@@ -213,7 +213,7 @@ def test_positions_know_nothing_of_a_ballbar_but_lengths_do():
 
     (sentence,) = map(english, unpredictable_readings(model, unseen))
 
-    assert "ballbar_zero needs an init from the data of the model, which 60 of 60 rows lack" in sentence
+    assert "ballbar_zero needs an init that occurs in the model's data, which 60 of 60 rows lack" in sentence
     assert unpredictable(model, unseen.stops) == ()
     assert unpredictable_readings(model, campaign.legs) == ()
     next_day = replace(campaign.legs.stops, time_s=campaign.legs.stops.time_s + 86_400.0)

@@ -112,7 +112,7 @@ def test_the_picture_says_shares_and_numbers_in_words():
         "".join(text.itertext()).strip() for text in ElementTree.fromstring(svg).iter() if "text" in text.tag
     }
     assert {"(1) 100 %", "< 1 %", "joint 1", "joint 4", "angle of joint 2", "load"} <= texts
-    assert {"modelled empirically", "where an alternative would act"} <= texts
+    assert {"modelled empirically", "location of an alternative explanation"} <= texts
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", svg)
 
 

@@ -228,7 +228,7 @@ def test_many_of_them_have_means():
     figure = drawn(make_curve(unseen=unseen(100)))
 
     assert ">means of validation readings<" in figure.picture
-    assert "Crosses, squares their means: 100 validation readings" in figure.caption
+    assert "Crosses, with squares for their means: 100 validation readings" in figure.caption
 
 
 @pytest.mark.parametrize("points", [None, unseen(0), unseen(10, u=9.0)], ids=["none", "empty", "blind"])

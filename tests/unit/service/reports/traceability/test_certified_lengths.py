@@ -22,8 +22,8 @@ def test_steel_grows_from_20_degrees_on(celsius, length_mm):
 
 def test_the_length_of_the_day_stands_beside_the_certified_one():
     assert told(STEEL) == (
-        "300.00120 mm at 20 °C (u 0.00040 mm); 300.00465 to 300.01155 mm at the measured 21.0 to 23.0 °C, "
-        "a change of up to 0.0104 mm from its length at 20 °C, which the readings use"
+        "300.00120 mm at 20 °C (u 0.00040 mm); 300.00465 to 300.01155 mm at the measured 21.0 to 23.0 °C. "
+        "The readings use its length at 20 °C, which differs by up to 0.0104 mm"
     )
 
 

@@ -37,8 +37,8 @@ def test_the_summary_names_what_is_open_and_what_got_no_weight():
     assert "The identification converged." in text
     assert "Cross-validation" in text
     assert re.search(r"alpha_2\W+0.0573\W+0.0057\W+deg", text)
-    assert "Not distinguishable: d_2, d_3: axes 2 and 3 are parallel." in text
-    assert "Zero weight: configuration 12, nest 1: off by [bold]3.2 mm." in text
+    assert "Not determined by these data: d_2, d_3. Reason: axes 2 and 3 are parallel." in text
+    assert "Configuration 12, nest 1 has zero weight: off by [bold]3.2 mm." in text
 
 
 def test_the_summary_of_what_was_not_fitted_is_its_message():
@@ -55,17 +55,17 @@ def test_a_model_worse_than_the_nominal_one_is_called_so():
 
     text = printed(validation_summary(Validation("position", worse, None, None, False, 0.02)))
 
-    assert "mean error of the identified model is not below the nominal one's" in text
+    assert "mean error of the identified model is not below that of the nominal model" in text
 
 
 @pytest.mark.parametrize(
     ("decision", "passed", "sentence"),
     [
-        (Decision("simple", 0.2, 0.1, 0.0, "conforms"), True, "Simple acceptance: it conforms. "),
+        (Decision("simple", 0.2, 0.1, 0.0, "conforms"), True, "Simple acceptance: the robot conforms. "),
         (
             None,
             True,
-            "is below the nominal one's and consistent with the predicted accuracy.",
+            "is below that of the nominal model and consistent with the predicted accuracy.",
         ),
         (
             None,
