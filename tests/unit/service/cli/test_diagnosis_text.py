@@ -74,8 +74,8 @@ def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
 
     at = next(k for k, line in enumerate(lines) if line.startswith("Modelled empirically"))
     assert lines[at + 1 : at + 3] == [
-        "   joint 2 over angle of joint 1: RMS error 0.120 mm without this term; tool displacement 0.300 "
-        "mm on average, 0.900 mm at most.",
+        "   joint 2 as a function of angle of joint 1: RMS error 0.120 mm without this term; tool "
+        "displacement 0.300 mm on average, 0.900 mm at most.",
         "   nest 2: RMS error 0.120 mm without this term; tool displacement 0.300 mm on average, "
         "0.900 mm at most.",
     ]

@@ -112,7 +112,7 @@ def test_what_no_material_does_is_likely_at_most_and_says_so():
     assert finding.confidence is Confidence.LIKELY
     assert english(finding.sentence).endswith(
         ". This value is not plausible (no robot material expands or shrinks that much): "
-        "the actual cause is a different one."
+        "there must be a different cause."
     )
 
 

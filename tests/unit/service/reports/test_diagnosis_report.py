@@ -106,8 +106,10 @@ def test_what_is_described_without_a_name_stands_under_what_is_left(pages):
 
     left = html[html.index('id="left"') : html.index('id="ruled-out"')]
     assert "Modelled empirically" in left
-    assert left.count("over angle of joint") == 8 + 3  # a row each, and the largest in the sentence
-    assert "And 1 smaller ones." in left
+    assert (
+        left.count("as a function of angle of joint") == 8 + 3
+    )  # a row each, and the largest in the sentence
+    assert "Smaller terms not listed: 1." in left
     assert "Modelled empirically" not in pages["partly explained"]
 
 

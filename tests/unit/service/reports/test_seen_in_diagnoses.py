@@ -90,7 +90,7 @@ def test_the_map_says_where_most_acts_and_nothing_of_rivals_alone():
 
     told = english(map_sentence(CauseMap((), (), cells, ())))
 
-    assert told.startswith("Largest share: joint 6, over ")
+    assert told.startswith("Largest share: joint 6, as a function of ")
     assert told.endswith(", 80 % of the mean square. Other locations with an explanation: 1.")
     assert leading_key(map_sentence(CauseMap((), (), cells[2:], ()))) == "seen.map.nothing"
 

@@ -37,7 +37,7 @@ BOTH = "Mean error 0.499 mm before (nominal), 0.033 mm after; "
         ),
         (
             replace(VALIDATION, decision=None, limit_mm=None),
-            "no limit set: set one to get a pass or fail.",
+            "no limit set: set a limit to get a pass or fail.",
         ),
         (IDENTIFICATION, "no limit set: validate to get a pass or fail."),
         (DIAGNOSIS, "no limit set: validate to get a pass or fail."),

@@ -94,7 +94,7 @@ def test_validation_readings_that_identify_as_well_are_reported():
     campaign = campaign_from(lambda name: copied[name].encode())
 
     assert tuple(map(english, campaign.ignored)) == (
-        "validation.csv: 2 of 3 readings are also in calibration.csv; these validate nothing.",
+        "validation.csv: 2 of 3 readings are also in calibration.csv; these readings validate nothing.",
     )
 
 
