@@ -193,7 +193,7 @@ def test_of_several_links_the_one_that_is_off_most_is_named():
     shown = CAUSES["link_mass"].describe("links", posterior(together.specs, truth, 1e8 * np.eye(8)), scene)
 
     assert shown.amplitude == pytest.approx(-0.8, abs=1e-3)
-    assert "most of all that of link 4. It weighs 0.80 kg less than the 5 kg stated" in english(
+    assert "most of all that of link 4. This link weighs 0.80 kg less than the 5 kg stated" in english(
         shown.sentence
     )
     assert {detail.name.split(":")[0] for detail in shown.details} == {"link 2", "link 4"}

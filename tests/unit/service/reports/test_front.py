@@ -64,7 +64,7 @@ def test_without_a_limit_nothing_passes():
 
     assert "PASSED" not in made.word
     assert made.word == "AS PREDICTED"
-    assert "No limit was stated" in made.rule
+    assert "No limit was set" in made.rule
 
 
 def test_the_rule_is_said_as_it_was_applied():

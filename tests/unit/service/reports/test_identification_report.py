@@ -171,7 +171,7 @@ def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path,
 
     text = Page(report_of(tmp_path, identify(gross, ("base", "geometry")), gross)).text
 
-    assert "Calibration, without outliers without the 1 given zero weight" in text
+    assert "Calibration, without outliers without the outliers given zero weight (1)" in text
     assert "no reading is deleted" in text
     # Row, configuration, nest and a residual of 5 mm but for noise (0.01 mm) and what the others pull (less).
     assert re.search(r"\b8 8 1 (4\.9[5-9]|5\.0[0-5])\d* off by", text)

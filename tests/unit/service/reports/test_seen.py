@@ -68,7 +68,7 @@ def test_what_the_model_itself_is_uncertain_by_is_no_finding():
 
     assert "No joint shows" in english(joints_sentence(joints, residual, model_u_mm=0.03))
     assert "shows a harmonic" in english(joints_sentence(joints, residual, model_u_mm=0.01))
-    assert "no more than chance" in english(neighbours_sentence(place, alike, model_share=0.5))
+    assert "no more than expected from chance" in english(neighbours_sentence(place, alike, model_share=0.5))
 
 
 def test_a_joint_that_hardly_moved_shows_no_wave():
@@ -117,7 +117,7 @@ def test_neighbours_that_point_alike_are_told_and_noise_is_nothing():
 
     assert english(neighbours_sentence(place, alike)).startswith("Neighbouring arrows agree in direction (")
     assert all(
-        "no more than chance" in english(neighbours_sentence(place, noise(seed, N, 3)))
+        "no more than expected from chance" in english(neighbours_sentence(place, noise(seed, N, 3)))
         for seed in range(RUNS)
     )
     assert "Too few" in english(neighbours_sentence(place, np.zeros((N, 3))))

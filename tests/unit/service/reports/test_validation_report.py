@@ -126,9 +126,9 @@ def test_what_nobody_said_is_not_stated(tmp_path, points):
 @pytest.mark.parametrize(
     ("limit_mm", "sentence"),
     [
-        (0.2, "it conforms"),
-        (0.05, "it does not conform"),
-        (0.06, "it cannot be decided: the readings are too uncertain"),
+        (0.2, "the robot conforms"),
+        (0.05, "the robot does not conform"),
+        (0.06, "conformity cannot be decided: the readings are too uncertain"),
     ],
 )
 def test_the_decision_is_said(tmp_path, points, limit_mm, sentence):

@@ -65,7 +65,7 @@ def test_readings_that_hardly_feel_the_cause_do_not_flatten_the_others():
     assert "0.02" in figure.picture
     assert "1e14" not in figure.picture
     assert ", 97 readings" in figure.caption
-    assert "3 further readings are hardly sensitive to it" in figure.caption
+    assert "3 further readings are hardly sensitive to this effect" in figure.caption
 
 
 def test_a_line_without_a_band_claims_none():

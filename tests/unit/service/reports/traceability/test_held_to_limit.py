@@ -64,7 +64,7 @@ def test_a_joint_that_was_not_judged_cannot_pass(circles):
     front = of_circles(test, FAR)
 
     assert front.word == "CANNOT BE DECIDED"
-    assert "Joint 5, nest 1: Its readings are at one point" in front.sentence
+    assert "Joint 5, nest 1: The readings are at one point" in front.sentence
     assert of_circles(test, Limit(0.001)).word == "FAILED"
 
 
