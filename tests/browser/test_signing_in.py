@@ -135,7 +135,9 @@ def test_what_stands_in_a_form_outlives_the_sign_in(chromium, house):
         page.locator("#enter button").click()
         page.locator("dialog [name=password]").fill(PASSWORD)
         page.locator("dialog [data-key=ok]").click()
-        expect(page.locator("#enter output")).to_have_text("Signed in again. Press again to continue.")
+        expect(page.locator("#enter output")).to_have_text(
+            "Signed in again. Press the button again to continue."
+        )
         expect(name).to_have_value("Rosalind Franklin")
 
         page.locator("#enter button").click()

@@ -55,7 +55,7 @@ def test_where_nothing_shows_that_the_ballbar_is_off_one_says_how_one_knows(desk
     desk.show(step=step("detach"), commands=["confirm", "retry", "back", "pause", "abort", "stop"])
 
     tablet.locator("#actions [data-act=confirm]").click()
-    do = tablet.get_by_role("button", name="It is off, out of the arm\u2019s way")
+    do = tablet.get_by_role("button", name="The ballbar is off and out of the arm\u2019s way")
     do.click()
     assert desk.acts == []
     tablet.get_by_label("What you see").fill("its battery is out")
@@ -204,7 +204,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
 @pytest.mark.parametrize(
     ("kind", "said", "answer", "button"),
     [
-        ("same_pair", "already measured", "reconnected", "I have reconnected it"),
+        ("same_pair", "already measured", "reconnected", "I have reconnected the ballbar"),
         (
             "other_pair",
             "The length matches B1\u2013T2, not B2\u2013T3.",
@@ -218,16 +218,31 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "Swapped: read both again",
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
-        ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
-        ("like_calibrator", "does not show which one it is", "right_pair", "It is on B2\u2013T3"),
+        (
+            "calibrator",
+            "This is the length of the calibrator",
+            "reconnected",
+            "I have reconnected the ballbar",
+        ),
+        (
+            "like_calibrator",
+            "does not show which of the two was measured",
+            "right_pair",
+            "It is on B2\u2013T3",
+        ),
         (
             "same_connection",
             "not taken off after B1\u2013T2 was read",
             "reconnected",
-            "I have reconnected it",
+            "I have reconnected the ballbar",
         ),
-        ("not_calibrator", "differs from last time", "right_pair", "It is on B2\u2013T3"),
-        ("same_bars", "the zero of the other extension bars", "reconnected", "I have reconnected it"),
+        ("not_calibrator", "differs from the previous one", "right_pair", "It is on B2\u2013T3"),
+        (
+            "same_bars",
+            "the zero of the other extension bars",
+            "reconnected",
+            "I have reconnected the ballbar",
+        ),
     ],
 )
 def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):
@@ -246,7 +261,7 @@ def test_the_large_coloured_answer_to_a_doubt_is_the_one_that_stores_nothing(des
     desk.show(suspicion={**SUSPICION, "kind": "other_pair"})
 
     coloured = tablet.locator("#actions .main:not(.plain)")
-    expect(coloured).to_have_text("I have reconnected it")
+    expect(coloured).to_have_text("I have reconnected the ballbar")
     expect(tablet.locator("#actions .main").nth(1)).to_have_class("main plain")
     coloured.click()
 

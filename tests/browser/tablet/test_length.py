@@ -118,14 +118,14 @@ def test_a_base_that_the_robot_placed_badly_may_be_skipped(desk, tablet):
     desk.show(step=step("measure_side", artefact="base", points=["B1", "B2"]))
     in_state(tablet, desk, "out_high")
 
-    expect(tablet.locator("#advice")).to_contain_text("skip it as out of range")
+    expect(tablet.locator("#advice")).to_contain_text("skip this side as out of range")
 
 
 def test_standing_still_is_seen_to_grow(desk, tablet):
     desk.sample = sample(stable=0.8)
     until(tablet, "document.querySelector('#gauge').style.getPropertyValue('--stable') === '0.8'")
 
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
     desk.sample = sample(still=False)
     expect(tablet.locator("#advice")).to_have_text("The arm is not at rest yet")
 
@@ -133,20 +133,20 @@ def test_standing_still_is_seen_to_grow(desk, tablet):
 def test_a_bar_that_was_not_moved_is_told_of(desk, tablet):
     desk.sample = sample(stable=1.0)
 
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
     expect(tablet.locator("#advice")).to_contain_text("seems to be where it was", timeout=4000)
     desk.show(step=leg(3, 1))
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
 
 
 def test_what_was_read_is_not_waited_for_again_until_the_bar_was_off(desk, tablet):
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
 
     desk.show(last_outcome={"step_id": "x", "kind": "measured", "length_mm": 300.4213, "text": ""})
     expect(tablet.locator("#advice")).to_contain_text("has already been read")
     in_state(tablet, desk, "no_signal")
     in_state(tablet, desk, "in_range")
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
 
 
 @pytest.mark.parametrize("renewed", ["off", "moved", "retry"])
@@ -163,7 +163,7 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
         tablet.get_by_role("button", name="Retry").click()
     desk.sample = sample(length_mm=300.8 if renewed == "moved" else 300.4215)
 
-    expect(tablet.locator("#advice")).to_have_text("Hands off: stores automatically")
+    expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
 
 
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):

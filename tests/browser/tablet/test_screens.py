@@ -405,7 +405,7 @@ def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
 def test_where_legs_are_too_much_alike_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):
     desk.show(swaps_can_be_seen=False)
     expect(tablet.locator("#hint")).to_contain_text("too similar to detect a swap")
-    expect(tablet.locator("#hint")).to_contain_text("pre-calibration tests the poses before it again")
+    expect(tablet.locator("#hint")).to_contain_text("pre-calibration checks all poses measured before it")
 
     desk.show(swaps_can_be_seen=True)
     expect(tablet.locator("#hint")).to_be_hidden()

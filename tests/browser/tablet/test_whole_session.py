@@ -117,7 +117,7 @@ def test_a_wrong_pair_is_not_stored_and_the_right_one_is(chromium, session):
         page.get_by_role("button", name="B2\u2013T2").click()  # read a moment ago
         page.locator("body[data-screen=doubt]").wait_for()
         assert len(measured(url, id)) == 4 + 4 + 4
-        page.get_by_role("button", name="I have reconnected it").click()
+        page.get_by_role("button", name="I have reconnected the ballbar").click()
         page.locator("body[data-screen=connect_leg]").wait_for()
         operator.walk(until="finished")
 

@@ -115,7 +115,7 @@ async def test_a_plant_without_robots_says_so(service):
 
     assert "No robots yet." in shown
     assert "No error, cause, model or certificate has changed" in shown
-    assert "No cell has sent anything since then." in shown
+    assert "No cell has sent any records in this period." in shown
     assert "left arm" in shown
     assert due(shown) == []
 
@@ -187,13 +187,13 @@ async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(serv
 
     ((serial, reason),) = due(shown)
     assert serial == "120-1"
-    said = f"growing by 0.012 mm a month since {days[0]}. Expected to exceed 0.1 mm"
+    said = f"growing by 0.012 mm a month since {days[0]}. This error is expected to exceed 0.1 mm"
     assert reason.startswith(f"Backlash, joint 5: {said}")
     lives = [await page(service, f"/robots/{of}") for of in ("120-1", "120-2")]
     leads = '<a href="/fleet?type=IRB%20120">Backlash, joint 5'
     assert [leads in text for text in (shown, *lives)] == [True, True, False]
     assert "not due" in lives[1]
-    assert "forecast to exceed a limit before it is due" in shown
+    assert "forecast to exceed a limit before the next measurement is due" in shown
 
 
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):
@@ -346,7 +346,7 @@ async def test_a_clock_and_another_chain_are_stated(service):
     shown = await page(service, "/")
 
     assert "-86400.50 s (± 0.250 s)" in shown
-    assert "Nothing is collected until a metrologist accepts it." in shown
+    assert "Nothing is collected until a metrologist accepts this chain." in shown
 
 
 async def shown_another_chain(service, cell):
@@ -383,7 +383,7 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
     assert '<a href="/cells/left%20arm">Review and accept</a>' in at_a_glance
     assert f"The first {fork} entries, which both chains share, stay unchanged." in to_look
     assert "Entries that only the plant has now: 2." in to_look
-    assert f"(of {fork + 5} in total), collected as a separate branch: 5." in to_look
+    assert f"collected as a separate branch: 5 (of {fork + 5} in total)." in to_look
     assert "Accept this chain" not in to_look
     assert "Accepted by: Grace Hopper" in to_act
     (asked,) = json.loads(html.unescape(re.search(r'data-asks="([^"]*)"', to_act)[1]))

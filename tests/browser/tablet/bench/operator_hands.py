@@ -97,7 +97,7 @@ class Operator:
         written = self.page.get_by_label("What you see")
         if written.is_visible():
             written.fill("It lies beside the arm.")
-            self.page.get_by_role("button", name="It is off, out of the arm").click()
+            self.page.get_by_role("button", name="The ballbar is off and out of the arm").click()
 
     def _hold_again(self):
         """Confirm once more where a busy service did not hear in time, if it is still asked for."""

@@ -173,7 +173,8 @@ async def test_readings_kept_for_validation_never_identify(client, until):
     refused = await client.post(f"{path}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
-    assert "The readings of session 1 are for validation and must not identify" in refused.json()["detail"]
+    detail = refused.json()["detail"]
+    assert "The readings of session 1 are for validation and must not be used to identify" in detail
     assert (await client.get(CAMPAIGNS)).json() == []
 
 
@@ -191,7 +192,7 @@ async def test_a_session_that_never_ran_makes_no_campaign(client):
     refused = await client.post(f"{await planned(client)}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
-    assert refused.json()["detail"] == "Session 1 has no readings of a tool nest; run it first."
+    assert refused.json()["detail"] == "Session 1 has no readings of a tool nest; run the session first."
 
 
 async def test_sessions_named_in_json_make_a_campaign(client, until):

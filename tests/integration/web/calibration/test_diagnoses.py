@@ -223,7 +223,7 @@ async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
     refused = await client.post(f"{path}/diagnosis", json={})
 
     assert refused.status_code == 409
-    assert "are for validation and must not identify" in refused.json()["detail"]
+    assert "are for validation and must not be used to identify" in refused.json()["detail"]
 
 
 async def test_a_diagnosis_asked_twice_with_one_key_runs_once(client, until):

@@ -82,7 +82,7 @@ async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, a
     jobs = [(await client.get(f"/api/v1/jobs/{number}")).json()["kind"] for number in made.json()["job_ids"]]
 
     assert [question["about"] for question in asked["questions"]] == ["day"]
-    assert (early.status_code, "When was it measured" in early.json()["detail"]) == (409, True)
+    assert (early.status_code, "When were the readings taken" in early.json()["detail"]) == (409, True)
     assert made.status_code == 201, made.text
     assert again.json() == made.json()
     assert (campaign["name"], campaign["measured_on"], campaign["calibration_points"]) == (
@@ -218,7 +218,7 @@ async def test_the_page_asks_the_one_question_and_shows_every_guess(client, path
     page = Page(answer.text)
 
     assert answer.status_code == 200
-    assert "When was it measured?" in page.text
+    assert "When were the readings taken?" in page.text
     assert "ABB IRB 120" in page.text
     assert sum("data-column" in attributes for _, attributes in page.elements) == 12
     assert sum("data-unit" in attributes for _, attributes in page.elements) == 10

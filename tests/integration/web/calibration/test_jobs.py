@@ -240,7 +240,8 @@ async def test_a_result_waits_for_a_disk_that_refuses_and_is_kept_when_it_takes_
         waiting = await until(
             path,
             "message",
-            "Its result is held in memory until the database accepts records again. The disk is full.",
+            "The result of the job is held in memory until the database accepts records again. "
+            "The disk is full.",
         )
         refused = await client.post(f"{path}/cancel")
     ended = await until(path, "state", "succeeded", "failed", "cancelled")
@@ -324,7 +325,7 @@ async def test_the_job_that_plans_a_proof_names_the_model_and_nothing_is_proved_
 
     assert (job["state"], job["request"]["proves_model_id"]) == ("succeeded", model_id), job["message"]
     assert proof.status_code == 409
-    assert "no readings of a tool nest; run it first" in proof.json()["detail"]
+    assert "no readings of a tool nest; run the session first" in proof.json()["detail"]
 
 
 _TURN = {"joint": 6, "lower_deg": -180, "upper_deg": 180, "step_deg": 90}
@@ -371,7 +372,7 @@ async def test_what_a_test_or_a_proof_reads_never_identifies(client, plan):
     refused = await client.post("/api/v1/sessions", json={"name": "t", "role": "calibration", "plan": plan})
 
     assert refused.status_code == 409
-    assert 'set its role to "validation"' in refused.json()["detail"]
+    assert 'set the role of the session to "validation"' in refused.json()["detail"]
 
 
 async def test_a_model_that_there_is_not_is_not_proved(client):

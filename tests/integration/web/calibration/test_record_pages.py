@@ -166,4 +166,4 @@ async def test_a_device_that_does_not_answer_is_told_with_what_to_do(client, ben
 
     assert "tracker does not respond." in text
     assert "Nobody answers at 192.0.2.1:700" in text
-    assert "Check its cable and power" in text
+    assert "Check the cable and power of the device" in text

@@ -122,7 +122,8 @@ async def test_a_session_that_has_ended_takes_no_more(client, until):
     refused = await client.post(f"{path}/configurations", json=MORE)
 
     assert refused.status_code == 409
-    assert refused.json()["detail"] == "Session 1 is finished; plan a new one for what is missing."
+    sentence = "Session 1 is finished; plan a new session for the remaining configurations."
+    assert refused.json()["detail"] == sentence
     assert (await client.get(path)).json()["planned"] == 3
 
 

@@ -143,7 +143,7 @@ async def test_where_the_cell_is_the_same_nothing_is_said_to_differ(client):
 
     page = (await client.get(f"/sessions/{first}/again")).text
 
-    assert "The cell file says the same as then" in page
+    assert "The cell file is unchanged since the earlier session" in page
     assert "have changed" not in page and "has changed" not in page
     assert f'href="/sessions/{first}"' in page
 
@@ -161,7 +161,7 @@ async def test_what_changed_since_is_said_before_anything_is_planned(settings, b
 
     for sentence in ("Devices have changed", "position has changed", "2020-01-31"):
         assert sentence in page
-    assert "The robot has another serial number" not in page
+    assert "The robot has a different serial number" not in page
 
 
 async def test_a_plan_of_another_robot_is_refused(settings, bench, worker):

@@ -26,7 +26,7 @@ async def test_nobody_closes_as_calibrated_without_a_certificate_or_a_reason(cli
         assert answer.status_code == 409
         sentence = answer.json()["detail"]
         assert "The certificate of the laser tracker, serial number 42 states no expiry date" in sentence
-        assert "A named person may still close it with a reason" in sentence
+        assert "A named person may still close the session with a reason" in sentence
     assert shown["closed_as"] == "open"
     assert [(one["what"], one["standing"]) for one in shown["certificates"]] == [("laser tracker", "undated")]
 
@@ -59,7 +59,7 @@ async def test_what_did_not_finish_is_not_closed_as_calibrated(client):
     disclaimed = await close(client, path, closed_as="not calibrated")
 
     assert going_on.status_code == 409
-    assert "close it when it has" in going_on.json()["detail"]
+    assert "close it after it has ended" in going_on.json()["detail"]
     assert broken_off.status_code == 409
     assert disclaimed.status_code == 201
 

@@ -69,7 +69,7 @@ async def test_readings_for_an_identification_have_no_result_page(client, sessio
     reply = await client.get(f"/sessions/{await session()}/result")
 
     assert reply.status_code == 404
-    assert "The readings of this session serve an identification" in reply.text
+    assert "The readings of this session are for identification" in reply.text
 
 
 async def test_without_a_model_the_result_says_what_is_missing(client, session):
@@ -79,7 +79,7 @@ async def test_without_a_model_the_result_says_what_is_missing(client, session):
     document = await client.get(f"/api/v1/sessions/{number}/accuracy")
 
     assert (reply.status_code, document.status_code) == (409, 409)
-    assert "There is no model of ABB IRB 120 yet" in reply.text
+    assert "A model of ABB IRB 120 is needed" in reply.text
     assert document.json()["detail"] in Page(reply.text).text
 
 

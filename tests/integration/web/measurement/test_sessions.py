@@ -52,7 +52,7 @@ async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_
 
     first, second = questions
     assert first.startswith(
-        "No session of this robot has finished here yet. According to the dry run, this one has 3 config"
+        "No session of this robot has finished here yet. According to the dry run, this session has 3 config"
     )
     assert "at 250 mm/s at most until one session has finished" in first
     assert second.startswith("The robot is about to move.")

@@ -74,7 +74,7 @@ async def test_no_device_does_what_its_owner_may_not(house, owner_role):
 
 async def test_a_plant_s_token_is_an_administrator_s_and_ends_with_that_role(house):
     accounts = house.here.accounts
-    with pytest.raises(AccountRefusedError, match="a token cannot have more rights"):
+    with pytest.raises(AccountRefusedError, match="a token of this person cannot have more rights"):
         await of_new(house, "Sophie Germain", Role.METROLOGIST, Role.PLANT)
     owner, plant = await of_new(house, "Maria Agnesi", Role.ADMINISTRATOR, Role.PLANT)
     async with plant:

@@ -77,7 +77,7 @@ async def test_what_is_no_hand_down_is_refused(client, wrong):
         ("NaN", "document: numbers must be finite"),
         ('[{"b": -Infinity}]', "document: numbers must be finite"),
         ("1e999", "document: numbers must be finite"),
-        ('"\\ud800"', "The body contains half a character"),
+        ('"\\ud800"', "The body contains an unpaired surrogate"),
     ],
 )
 async def test_what_no_other_program_takes_for_json_is_refused(client, said, because):

@@ -129,7 +129,7 @@ def test_a_change_of_convention_is_made_only_where_it_is_accepted(tmp_path, caps
     (tmp_path / "mine.csv").write_bytes(table(names, rows))
     file, mine = tmp_path / "mine.csv", tmp_path / "mine"
 
-    with pytest.raises(ConfigurationError, match="fits with this change"):
+    with pytest.raises(ConfigurationError, match="The readings fit ABB IRB 120 with this change"):
         import_command(file, out=mine, robot="abb-irb-120")
     assert import_command(file, out=mine, robot="abb-irb-120", accept_changes=True) == 0
 

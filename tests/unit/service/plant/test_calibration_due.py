@@ -60,7 +60,7 @@ def test_a_validation_that_failed_says_by_how_much():
         )
     ]
     (promise,) = reasons(broken)
-    assert promise[1].endswith("mean error 0.412 mm, where the model predicts 0.031 mm.")
+    assert promise[1].endswith("mean error 0.412 mm, compared with 0.031 mm predicted by the model.")
 
 
 def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
@@ -96,9 +96,9 @@ def test_a_certificate_counts_on_the_day_of_the_measurement():
     [
         (
             {"tool": "plate 2", "base": [0.0]},
-            "different tool (plate 1); on 2026-11-20 the robot carried plate 2.",
+            "identified with plate 1: on 2026-11-20 the robot carried plate 2.",
         ),
-        ({"tool": "plate 1", "base": [5.0]}, "base was moved after model"),
+        ({"tool": "plate 1", "base": [5.0]}, "base has been moved since model"),
         ({"tool": "plate 1", "base": [0.0]}, None),
         ({}, None),
     ],
@@ -177,9 +177,9 @@ def test_a_robot_that_passes_a_limit_before_it_is_due_is_measured_before():
     assert foretold(growing()) == [
         (
             DueReason.WORSENING,
-            "Backlash, joint 5: growing by 0.012 mm a month since 2026-06-26. Expected to exceed 0.1 mm "
-            "about 2027-01-22, with 5 % probability before 2026-12-13. Measure before then; do not wait for "
-            "the due date, 2026-12-20.",
+            "Backlash, joint 5: growing by 0.012 mm a month since 2026-06-26. This error is expected to "
+            "exceed 0.1 mm about 2027-01-22; the probability that it does so before 2026-12-13 is 5 %. "
+            "Measure the robot before 2026-12-13; do not wait for the due date, 2026-12-20.",
         )
     ]
 
@@ -202,7 +202,8 @@ def test_a_limit_that_was_passed_says_since_when():
     ((why, sentence),) = foretold(growing(passes=-20, earliest=-40))
 
     assert why == DueReason.WORSENING
-    assert "exceeded 0.1 mm about 2026-11-03; not measured since the comparison" in sentence
+    assert "exceeded 0.1 mm about 2026-11-03; " in sentence
+    assert sentence.endswith("the robot has not been measured since the comparison.")
 
 
 def test_a_change_at_once_beyond_the_limit_is_a_reason():

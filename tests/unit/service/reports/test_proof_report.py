@@ -99,7 +99,7 @@ def test_what_speaks_against_the_correction_is_said_before_any_figure():
 
     assert (
         text.index("made from readings of robot 120-2")
-        < text.index("corrects the robot already")
+        < text.index("the robot is already corrected elsewhere")
         < text.index("Improvement")
     )
     assert "Warning:" not in Page(shown(proof())).text

@@ -19,10 +19,10 @@ def test_the_same_cell_differs_in_nothing_whatever_it_is_called():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"robot_serial_number": "8"}, "another serial number"),
+        ({"robot_serial_number": "8"}, "a different serial number"),
         ({"tool": Artefact("plate", "P-2")}, "The tool"),
         ({"tracker_position_mm": (0.0, 0.0, 1.0)}, "tracker"),
-        ({"robot": make_robot(repeatability_mm=0.5)}, "table or limits"),
+        ({"robot": make_robot(repeatability_mm=0.5)}, "kinematic table or joint limits"),
     ],
 )
 def test_each_part_that_changed_is_named_alone(change, said):

@@ -15,8 +15,8 @@ SIMULATED = replace(REAL, simulated=SimulatedCell("irb120-tilted", 1))
 
 @pytest.mark.parametrize(
     ("then", "now", "said"),
-    [(SIMULATED, REAL, "in a simulated cell, and this one is real"),
-     (REAL, SIMULATED, "in a real cell, and this one is simulated")],
+    [(SIMULATED, REAL, "in a simulated cell, but this cell is real"),
+     (REAL, SIMULATED, "in a real cell, but this cell is simulated")],
 )  # fmt: skip
 def test_a_session_never_goes_on_where_what_is_simulated_and_what_is_real_would_be_mixed(then, now, said):
     with pytest.raises(PlanRefusedError, match=said):

@@ -87,7 +87,7 @@ async def notes(client, path):
 
 def assert_asks_how(refused):
     assert (refused.status_code, refused.json()["code"]) == (422, "TP-2006")
-    assert "not seen to come off" in refused.json()["detail"]
+    assert "its removal was not detected" in refused.json()["detail"]
 
 
 async def test_one_that_was_switched_off_since_takes_a_reason_that_is_kept(client, bench, kind):
@@ -153,7 +153,7 @@ async def test_one_that_is_seen_to_come_off_is_asked_about_no_more(client, bench
     bench.ballbar.deviation_mm = 5.0
 
     assert (await confirm(client, path)).status_code == 200
-    assert await notes(client, path) == ["The ballbar was seen to come off."]
+    assert await notes(client, path) == ["Removal of the ballbar was detected."]
 
 
 async def test_a_length_that_is_read_is_a_line_of_the_session_like_any_other(client, bench, kind):

@@ -36,7 +36,8 @@ def test_a_joint_outside_the_measured_zone_is_told_where_the_last_frame_is_withi
     said = " ".join(english(sentence) for sentence in correction_sentences(outside))
 
     assert (
-        "1 of them are outside the measured zone, by up to 74.1 deg in a joint and 0 mm in position" in said
+        "1 of the corrected targets are outside the measured zone, by up to 74.1 deg in a joint "
+        "and 0 mm in position" in said
     )
 
 

@@ -130,7 +130,7 @@ async def test_a_sphere_that_stands_too_near_is_left_alone(bench):
 
     await run(bench, patience=5)
 
-    assert any("is not where it was planned" in skipped.reason for skipped in bench.journal.skipped)
+    assert any("is not at its planned position" in skipped.reason for skipped in bench.journal.skipped)
     assert bench.probe.deepest_mm <= PLAN.stroke_mm
     assert bench.robot.moves[-1] in [stop.way_rad[0] for stop in PLAN.stops]
 
@@ -163,7 +163,7 @@ async def test_a_gauge_that_counts_the_other_way_round_is_noticed(bench):
 
     _, questions = await run(bench, patience=3)
 
-    assert "reading increases as the gauge comes out" in questions[3]
+    assert "reading increases as the gauge extends" in questions[3]
     assert bench.read == []
 
 

@@ -130,7 +130,7 @@ async def test_a_session_that_has_ended_takes_no_more(ending, session):
         await asking.end(session.runner, "Ada")
     await session.attended()
 
-    with pytest.raises(NotNowError, match=f"The session is {ending}; plan a new one"):
+    with pytest.raises(NotNowError, match=f"The session is {ending}; plan a new session"):
         await session.runner.add_stops(ADDED, shelf)
 
     assert shelf.kept == 0
@@ -150,7 +150,7 @@ async def test_nothing_is_added_while_the_session_ends(session):
 
     await session.attended()
 
-    assert refusals == ["The session is aborting; plan a new one for what is missing."]
+    assert refusals == ["The session is aborting; plan a new session for the remaining configurations."]
     assert session.runner.progress.planned == 2
 
 

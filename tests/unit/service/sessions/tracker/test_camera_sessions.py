@@ -137,7 +137,7 @@ def test_an_upright_instrument_has_its_z_axis_up_and_looks_along_x():
     [
         ({"off_mm": np.array([80.0, 0.0, 0.0])}, "80 mm"),
         ({"off_rad": np.array([0.0, 0.0, 0.2])}, "11.5 deg"),
-        ({"changes": {"rms_mm": 0.8}}, "fit only to 0.800 mm"),
+        ({"changes": {"rms_mm": 0.8}}, "match only to within 0.800 mm"),
         ({"changes": {"position_deviation_mm": (0.3, 0.0, 0.0)}}, "scatter by 0.300 mm"),
         ({"changes": {"position_mm": (math.nan, 0.0, 0.0)}}, "not a pose"),
         ({"changes": {"quaternion": (0.0, 0.0, 0.0, 0.0)}}, "not a pose"),

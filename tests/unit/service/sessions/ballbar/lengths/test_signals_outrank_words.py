@@ -59,7 +59,7 @@ async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the
         bench.hands.connect("leg", (1, 1))
         bench.bar.out_of_range_mm = 1.05
 
-        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
+        with pytest.raises(ReasonMissingError, match="There is no evidence that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
 
 
@@ -70,7 +70,7 @@ async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ba
         await bench.clock.advance(0.5)
         await bench.press(CommandName.SKIP, reason="too long")
 
-        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
+        with pytest.raises(ReasonMissingError, match="There is no evidence that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
 
         bench.hands.hold()  # at its end it looks the same in the cups and on the table
@@ -95,7 +95,7 @@ async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read
         before = len(bench.robot.moves)
 
         for _ in range(3):
-            with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
+            with pytest.raises(ReasonMissingError, match="There is no evidence that the ballbar is off"):
                 await bench.press(CommandName.CONFIRM)
             await bench.clock.advance(1.0)
 
@@ -150,7 +150,7 @@ async def test_a_link_that_is_lost_with_the_ballbar_on_takes_a_reason_that_is_ke
         await bench.clock.advance(1.0)
         assert bench.runner._readings.sample.reason_needed
 
-        with pytest.raises(ReasonMissingError, match="Nothing shows that the ballbar is off"):
+        with pytest.raises(ReasonMissingError, match="There is no evidence that the ballbar is off"):
             await bench.press(CommandName.CONFIRM)
         await bench.press(CommandName.CONFIRM, reason="its battery is out, it lies on the table")
 

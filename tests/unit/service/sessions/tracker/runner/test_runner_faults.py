@@ -223,7 +223,7 @@ async def test_a_robot_that_somebody_moved_waits_for_a_person(cell):
     ended = await run_session(cell, make_plan(4), operator)
 
     assert ended is SessionState.FINISHED
-    assert "5.73 deg away from where the last motion left it" in operator.questions[1]
+    assert "5.73 deg away from its position after the last motion" in operator.questions[1]
 
 
 async def test_an_arm_that_still_moves_when_a_person_confirms_is_left_alone(cell):
