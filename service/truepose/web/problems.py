@@ -161,7 +161,7 @@ class Problem(BaseModel):
     """What went wrong, where, and what to do about it."""
 
     type: str = Field(
-        description="Kind of problem; `urn:truepose:problem:name` asks for a different name.",
+        description="Kind of problem; for `urn:truepose:problem:name`, send a different name.",
         examples=["urn:truepose:problem:not-found"],
     )
     title: str = Field(description="Reason phrase of the HTTP status.", examples=["Not Found"])
@@ -173,7 +173,9 @@ class Problem(BaseModel):
         examples=["TP-1020"],
     )
     meaning: str = Field(description="Consequence for the data.", examples=["Nothing was stored or changed."])
-    action: str = Field(description="What to do next.", examples=["Look up the number in the list."])
+    action: str = Field(
+        description="What to do next.", examples=["Look up the number in the list of records."]
+    )
     code_url: str = Field(description="Page that explains the error code.", examples=["/errors/TP-1020"])
 
 

@@ -179,7 +179,7 @@ async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch)
     after = (await service.get("/health")).json()
 
     assert (before["status"], before["fault"]) == ("ok", None)
-    assert (after["status"], after["fault"][:30]) == ("degraded", "Cells are no longer visited. S")
+    assert (after["status"], after["fault"][:30]) == ("degraded", "Collection from the cells has ")
 
 
 def test_every_operation_of_a_plant_has_its_least_role():

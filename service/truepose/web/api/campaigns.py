@@ -74,7 +74,9 @@ class CampaignReply(Reply):
     id: RecordId
     recorded_at: RecordedAt
     name: str = Field(examples=["left arm"])
-    robot: str = Field(description="Robot name in the campaign, which includes its own nominal model.")
+    robot: str = Field(
+        description="Name of the robot in the campaign; the campaign contains its nominal model."
+    )
     session_ids: list[int] = Field(description="Sessions of the campaign; empty for an upload.")
     simulated: Simulated
     measured_on: str | None = Field(
@@ -87,8 +89,8 @@ class CampaignReply(Reply):
         examples=["120-500123"],
     )
     instrument_serial_number: str | None = Field(
-        description="Serial number of the instrument of all readings, from the same source as that of the "
-        "robot.",
+        description="Serial number of the instrument used for all readings, from the same source as the "
+        "serial number of the robot.",
         examples=["391234"],
     )
     calibration_points: int = Field(examples=[55])
@@ -99,7 +101,7 @@ class CampaignReply(Reply):
     validation_contacts: int
     reference_readings: int = Field(description="Number of reference measurements of the fixed nests.")
     ignored: list[str] = Field(
-        description="Columns and keys that were kept but not understood, one sentence each."
+        description="Columns and keys that were stored but not recognised, one sentence each."
     )
     notes: list[str]
     archive_url: str = Field(examples=["/api/v1/campaigns/3/archive"])
@@ -162,8 +164,8 @@ RobotSerial = Annotated[
 InstrumentSerial = Annotated[
     SerialNumber | None,
     Query(
-        description="Serial number of the instrument of all readings; by default, as stated in the form or "
-        "description.",
+        description="Serial number of the instrument used for all readings; by default, as stated in the "
+        "form or description.",
         examples=["391234"],
     ),
 ]

@@ -45,7 +45,7 @@ class CellReply(Reply):
         description="Endpoints of the simulated cell; empty for a real cell."
     )
     devices: list[str] = Field(description="Names of the devices.", examples=[["tracker", "robot"]])
-    tool_nests: list[NestReply] = Field(description="Tool nests, in the frame of the last joint.")
+    tool_nests: list[NestReply] = Field(description="Tool nests, in the flange frame.")
     fixed_nests: list[NestReply] = Field(description="Fixed nests, in the world frame.")
     load: str = Field(description="Payload of the robot, from the cell file.", examples=["2.7 kg"])
     warm_up: str = Field(description="Warm-up, from the cell file.", examples=["30 min"])
@@ -65,7 +65,7 @@ class DeviceReply(Reply):
     connected: bool
     session_id: int | None = Field(description="Session that uses the device; null if none.")
     fault: str | None = Field(
-        description="Reason why the last connection attempt failed; null if it did not."
+        description="Reason why the last connection attempt failed; null if it did not fail."
     )
     manufacturer: str | None = Field(
         description="Manufacturer reported by the device.", examples=["Leica Geosystems"]

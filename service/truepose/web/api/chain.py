@@ -37,7 +37,7 @@ class ChainHeadReply(Reply):
         examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
     )
     time: str = Field(
-        description="Time of this computer's clock: UTC, ISO 8601.",
+        description="Time by this computer's clock: UTC, ISO 8601.",
         examples=["2026-05-04T09:12:33.125000+00:00"],
     )
 

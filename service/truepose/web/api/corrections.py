@@ -89,19 +89,19 @@ class CorrectionReply(Reply):
 class TargetReply(Reply):
     """A target of a file."""
 
-    number: int = Field(ge=1, description="Number in the file, starting at 1.")
+    number: int = Field(ge=1, description="Number of the target in the file, starting at 1.")
     name: str
     line: int
     status: str = Field(examples=["ok"])
     place_mm: list[Quantity] = Field(
-        description="Target position of the origin of the last frame, in the base frame."
+        description="Target position of the origin of the flange frame, in the base frame."
     )
     shift_mm: list[Quantity] = Field(
         description="Shift from the target position to the position sent to the controller."
     )
     u_mm: Quantity = Field(description="Standard uncertainty of the attained tool position, per axis.")
     outside_mm: Quantity = Field(
-        description="Distance outside the measured zone; null if the zone is unknown."
+        description="Distance of the flange frame outside the measured zone; null if the zone is unknown."
     )
     moved_deg: Quantity = Field(description="Largest joint difference from the controller's own solution.")
 
@@ -184,7 +184,7 @@ Define = Annotated[
 Branch = Annotated[
     str | None,
     Query(
-        description="For a program: branch of poses that do not state one.",
+        description="For a program: branch to use for poses that do not state a branch.",
         json_schema_extra={"enum": list(BRANCH_NAMES)},
     ),
 ]

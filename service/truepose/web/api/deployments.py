@@ -33,7 +33,7 @@ class HandedDownRequest(Request):
     person: str = Field(
         min_length=1,
         max_length=LONGEST_NAME,
-        description="Person at the plant who pushes it.",
+        description="Person at the plant who pushes the plan or model.",
         examples=["Ada Byron"],
     )
     document: FreeDocument = Field(
@@ -50,7 +50,7 @@ class UseRequest(Request):
         default="",
         max_length=1000,
         description="Purpose of the use.",
-        examples=["Session 12 was planned with it."],
+        examples=["Used to plan session 12."],
     )
 
 
@@ -99,7 +99,7 @@ class UseReply(Reply):
 
     recorded_at: RecordedAt
     person: str
-    note: str = Field(examples=["Session 12 was planned with it."])
+    note: str = Field(examples=["Used to plan session 12."])
 
 
 class HandedDownReply(Reply):
@@ -112,7 +112,7 @@ class HandedDownReply(Reply):
     )
     kind: Literal["plan", "model"]
     name: str = Field(examples=["monthly check"])
-    person: str = Field(description="Person at the plant who pushed it.")
+    person: str = Field(description="Person at the plant who pushed the plan or model.")
     said_by: Annotated[str, FieldSource("plant")] = Field(
         description="Plant that named the person, who need not be known to the cell; empty if the cell has "
         "no accounts.",
@@ -203,7 +203,7 @@ async def accept_handed_down_model(
 
 @router.post("/{id}/uses", status_code=status.HTTP_201_CREATED, responses=CHANGE)
 async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownReply:
-    """Record that a person used a pushed plan or model, and what for; the plant sees the record as well."""
+    """Record that a person used a pushed plan or model, and its purpose; the plant sees this record."""
     kept = HandedDownRepository(here.database)
     await kept.note_use(id, wanted.person, wanted.note)
     return handed_down_reply(await kept.get(id))

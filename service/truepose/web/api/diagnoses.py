@@ -33,8 +33,8 @@ from truepose.web.schemas import (
 StartEffects = Annotated[
     EffectNames | None,
     Field(
-        description="Effects of the start model; none of them is reported as a finding. Null: base, tool "
-        "as far as unknown, geometry and compliance.",
+        description="Effects included in the initial model; none of them is reported as a finding. Null: "
+        "base, unknown tool parameters, geometry and compliance.",
     ),
 ]
 MeasuredAt = Annotated[
@@ -124,8 +124,8 @@ class SignReply(Reply):
     diagnosis_id: RecordId
     measured_at: MeasuredAt
     sighting: Sighting = Field(
-        description="`not_visible`: the readings could not show the cause; `part_of_start`: the start "
-        "model included it."
+        description="`not_visible`: the readings could not show the cause; `part_of_start`: the initial "
+        "model included the cause."
     )
     amplitude: Quantity = Field(examples=[0.021])
     amplitude_standard_uncertainty: Annotated[Quantity, FieldSource("standard_uncertainty")] = Field(
@@ -164,14 +164,16 @@ class CauseReply(Reply):
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
-    variant: VariantReply | None = Field(description="Variant of the cause; null if there is only one.")
+    variant: VariantReply | None = Field(
+        description="Variant of the cause; null if the cause has only one variant."
+    )
     unit: str = Field(examples=["deg"])
     signs: list[SignReply]
     changes: list[ChangeReply] = Field(
         description="Changes between consecutive diagnoses that found the cause."
     )
     overall: ChangeReply | None = Field(
-        description="Change from the first to the last diagnosis; null if there are only two or fewer."
+        description="Change from the first to the last diagnosis; null for two diagnoses or fewer."
     )
 
 

@@ -58,7 +58,10 @@ class CoordinatesRequest(Request):
     number: int = Field(ge=1, le=3, description="Number of the axis: 1 for x, 2 for y, 3 for z.")
     unit: LengthUnit = "mm"
     point: int = Field(
-        0, ge=0, le=_MOST_POINTS, description="Number of the point in its row; 0 if there is only one."
+        0,
+        ge=0,
+        le=_MOST_POINTS,
+        description="Number of the point in its row; 0 if the row has only one point.",
     )
 
 
@@ -277,7 +280,7 @@ class LineReply(Reply):
 
 
 class DraftFaultReply(Reply):
-    """The first place that cannot be used."""
+    """The first location in the files that cannot be used."""
 
     file: str
     line: int | None
@@ -305,7 +308,7 @@ class UnderstoodReply(Reply):
     notes: list[Spoken] = Field(description="Assumptions made without asking.")
     u_mm: Quantity = Field(
         description="Standard uncertainty per axis, estimated from repeated positions if not stated; null "
-        "if there are none."
+        "if no position was repeated."
     )
     measured_on: str | None = Field(description="Date of the readings, from the settings or the files.")
     robot_serial_number: str = Field(

@@ -24,7 +24,7 @@ _EVENT: Final = {
     "description": "An event of the stream.",
     "required": ["data"],
     "properties": {
-        "id": {"description": "Number of the event, if it has one."},
+        "id": {"description": "Number of the event; absent if the event has none."},
         "event": {"type": "string", "description": "Kind of event."},
         "data": {"type": "string", "description": "Content of the event, as JSON."},
     },

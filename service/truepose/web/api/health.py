@@ -56,8 +56,8 @@ class Health(Reply):
     integrity: IntegrityReply
     sqlite: str = Field(description="Version of the SQLite library.", examples=["3.53.4"])
     sqlite_mended: bool = Field(
-        description="False if the library has the WAL-reset bug; a single writer keeps it from having an "
-        "effect."
+        description="False if the library has the WAL-reset bug, which has no effect here because there "
+        "is only one writer."
     )
     verdict: Verdict = Field(description="Worst verdict of all checks.")
     checks: list[CheckReply] = Field(description="Results of the health checks.")

@@ -80,8 +80,8 @@ class IdentificationRequest(Request):
     campaign_id: Number
     effects: EffectNames | None = Field(
         None,
-        description="Names of effects. Null: base, tool as far as unknown, geometry, and compliance if the "
-        "campaign states masses or torques.",
+        description="Names of effects. Null: base, unknown tool parameters, geometry, and compliance if "
+        "the campaign states masses or torques.",
     )
     set_aside: SetAside = None
 

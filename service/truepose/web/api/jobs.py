@@ -95,7 +95,7 @@ class JobReply(Reply):
     )
     ahead_count: int | None = Field(
         None,
-        description="Number of jobs that get a worker before this one; null once it has ended.",
+        description="Number of jobs ahead of this one in the queue; null once this job has ended.",
         examples=[0],
     )
     result_id: int | None = Field(
@@ -104,7 +104,7 @@ class JobReply(Reply):
     result_url: str | None = Field(examples=["/api/v1/identifications/3"])
     code: str | None = Field(
         None,
-        description="Error code of the failure, to quote in support requests; null if it did not fail.",
+        description="Error code of the failure, to quote in support requests; null if the job did not fail.",
         examples=["TP-4002"],
     )
     code_url: str | None = Field(

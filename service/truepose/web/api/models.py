@@ -89,7 +89,10 @@ async def download_model(here: Here, id: Id) -> Response:
 @router.get(
     "/{id}/exports/{form}",
     response_class=Response,
-    responses=sending("The exported file; it lists what it does not contain.", _EXPORTS) | ACT,
+    responses=sending(
+        "The exported file; it lists the parts of the model that it does not contain.", _EXPORTS
+    )
+    | ACT,
 )
 async def download_export(
     here: Here,

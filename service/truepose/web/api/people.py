@@ -46,7 +46,10 @@ class TokenRequest(Request):
     model_config = example({"name": "line 3", "owner": "Ada Byron", "role": "device", "hours": 8760})
 
     name: Label = Field(description="Name of the program.", examples=["line 3"])
-    owner: Name = Field(description="Person responsible for it; the token ends with their account.")
+    owner: Name = Field(
+        description="Person responsible for the token; if their account is removed, the "
+        "token becomes invalid."
+    )
     role: RoleName
     hours: int = Field(ge=1, le=10 * 8784, description="Hours until the token expires.", examples=[8760])
 

@@ -25,7 +25,7 @@ class PointReadingReply(Reply):
     rms_mm: Quantity = Field(description="Standard deviation of the samples.", examples=[0.012])
     samples: int = Field(examples=[1000])
     repeat_of: int | None = Field(description="Earlier configuration with the same joint angles.")
-    group: int | None = Field(description="Group of readings to which it belongs in the plan.")
+    group: int | None = Field(description="Group of readings in the plan to which this reading belongs.")
     quaternion: list[float] | None = Field(
         description="Orientation of the artefact in the world frame, w first; null for a tracker, which "
         "measures points."
@@ -50,9 +50,9 @@ class ReadingReply(Reply):
     recorded_at: RecordedAt
     kind: ReadingKind
     supersedes: int | None = Field(
-        description="Number of the earlier reading of the same configuration that this one replaces."
+        description="Number of the earlier reading of the same configuration that this reading replaces."
     )
-    superseded_by: int | None = Field(description="Number of the later reading that replaces this one.")
+    superseded_by: int | None = Field(description="Number of the later reading that replaces this reading.")
     nest: int = Field(description="Number of the tool nest or fixed nest.", examples=[2])
     time_s: float = Field(description="Cell time of the reading.", examples=[812.4])
     position_tracker_mm: Point = Field(description="Position in the tracker frame.")

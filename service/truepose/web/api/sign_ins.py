@@ -117,7 +117,9 @@ class CallerReply(Reply):
         description="Name of the person; null if nobody is signed in.", examples=["Ada Byron"]
     )
     role: Role | None
-    tablet: str = Field(description="Name of this browser; empty if it has none.", examples=["cell 3"])
+    tablet: str = Field(
+        description="Name of this browser; empty if the browser has no name.", examples=["cell 3"]
+    )
     fresh: bool = Field(description="True if the person proved their identity within the last five minutes.")
     people: list[str] = Field(
         description="People who may take over this browser with a PIN; empty if nobody signed it in."

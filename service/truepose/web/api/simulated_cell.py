@@ -79,11 +79,14 @@ class FaultReply(Reply):
     kind: FaultKind
     keys: dict[str, Value] = Field(description="Keys as given.", examples=[{"configuration": 12}])
     state: Literal["waiting", "active", "over"]
-    begun_s: float | None = Field(description="Cell time at which it was triggered; null if not yet.")
-    over_s: float | None = Field(description="Cell time at which it ended; null if not yet.")
+    begun_s: float | None = Field(
+        description="Cell time at which the fault was triggered; null if not triggered yet."
+    )
+    over_s: float | None = Field(description="Cell time at which the fault ended; null if not ended yet.")
     struck: int = Field(description="Number of readings, motions or connections affected.")
     person: str | None = Field(
-        description="Person who injected it; null if it comes from a file.", examples=["Ada Byron"]
+        description="Person who injected the fault; null if the fault comes from a file.",
+        examples=["Ada Byron"],
     )
 
 

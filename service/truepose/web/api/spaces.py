@@ -48,7 +48,7 @@ class PoseReply(Reply):
 
 
 class SpaceReply(Reply):
-    """Readings in 3D, with errors before and after; error vectors are measured minus predicted."""
+    """Readings in 3D, with errors before and after identification (measured minus predicted)."""
 
     robot: str = Field(examples=["ABB IRB 120"])
     points_mm: Annotated[list[Point], _PLACES] = Field(
@@ -67,7 +67,7 @@ class SpaceReply(Reply):
     )
     instrument_mm: Point | None = Field(description="Position of the tracker; null if not known.")
     total: int = Field(
-        description="Total number of readings, of which an even selection is given.", examples=[300]
+        description="Total number of readings; the list contains an evenly spaced selection.", examples=[300]
     )
 
 
@@ -77,7 +77,8 @@ class PlannedPlaceReply(Reply):
     config: int = Field(examples=[12])
     state: StopState = Field(examples=["measured"])
     place_mm: Annotated[Point, _PLACES] = Field(
-        description="Position of the measured nest, otherwise of the flange, in the world frame."
+        description="Position of the measured nest, or of the flange if no nest is measured, in the world "
+        "frame."
     )
     pieces_mm: Capsules = Field(
         description="Arm, tool and bars as capsules: start (3), end (3) and radius, in the world frame.",
@@ -90,9 +91,11 @@ class PlanSpaceReply(Reply):
 
     robot: str = Field(examples=["ABB IRB 120"])
     stops: list[PlannedPlaceReply] = Field(
-        description="Configurations in the order of the plan; an even selection if there are many."
+        description="Configurations in the order of the plan; an evenly spaced selection if there are many."
     )
-    next_config: int | None = Field(description="Number of the next configuration; null if none is left.")
+    next_config: int | None = Field(
+        description="Number of the next configuration; null if no configuration is left."
+    )
     fixed_mm: Annotated[list[Point], _PLACES] = Field(description="Fixed nests and cups, in the world frame.")
     instrument_mm: Point | None = Field(description="Position of the tracker; null if not known yet.")
 

@@ -30,7 +30,7 @@ class Metrics:
         )
         self._latency = Histogram(
             "truepose_request_seconds",
-            "Time until the head of the response.",
+            "Time until the response headers are sent.",
             ["operation"],
             buckets=_REQUEST_S,
             registry=self._registry,

@@ -40,7 +40,7 @@ class Choice:
     ] = None  # that is the one that was to be proved, where there is one
     limit_mm: Annotated[float | None, Query(gt=0, le=1000, description="Largest permissible error.")] = None
     rule: Annotated[
-        DecisionRule, Query(description="How the uncertainty is taken into account in the decision.")
+        DecisionRule, Query(description="Decision rule: how the decision takes the uncertainty into account.")
     ] = "guard band"
 
 

@@ -40,7 +40,8 @@ NOUNS: Final = {
     "/instruments": "/",
 }
 Searched = Annotated[
-    str, Query(max_length=200, description="Text to find: name, serial number, person, cause or number.")
+    str,
+    Query(max_length=200, description="Text to find: name, serial number, person, cause or record number."),
 ]
 View = Annotated[str, Query(max_length=20, description="Kinds of records; empty for all.")]
 PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Page of the list.")]

@@ -44,18 +44,18 @@ class PlantHealth(Reply):
 
 
 class VisitReply(Reply):
-    """Result of a visit to a cell."""
+    """Result of a collection from a cell."""
 
     id: RecordId
     recorded_at: RecordedAt
     found_at: str = Field(
-        description="Time of the latest visit with this result, since the start of the plant; otherwise "
-        "equal to `recorded_at`.",
+        description="Time of the latest collection with this result, since the start of the plant; "
+        "otherwise equal to `recorded_at`.",
         examples=["2026-05-04T09:42:31.007+00:00"],
     )
     outcome: Literal["whole", "unreachable", "refused", "another_chain"]
     sentence: str = Field(description="Problem and remedy; empty if there is none.", examples=[""])
-    collected: int = Field(description="Number of chain entries collected by the visit.", examples=[120])
+    collected: int = Field(description="Number of chain entries collected.", examples=[120])
     newest: int | None = Field(
         description="Number of the newest chain entry of the cell; null if it did not respond.",
         examples=[4711],
@@ -82,7 +82,7 @@ class PlantCellReply(Reply):
 
 
 class VisitsReply(Reply):
-    """A cell and the latest visits to it."""
+    """A cell and the latest collections from it."""
 
     cell: PlantCellReply
     visits: list[VisitReply]
@@ -107,9 +107,11 @@ class PlantRecordReply(Reply):
         examples=[1],
     )
     link: int = Field(description="Number of the entry in the cell's chain.", examples=[4711])
-    stream: int = Field(description="Number of the session; 0 if the record belongs to none.", examples=[3])
+    stream: int = Field(
+        description="Number of the session; 0 if the record belongs to no session.", examples=[3]
+    )
     record: str = Field(description="Kind of record.", examples=["readings"])
-    record_id: int = Field(description="Number of the record in the cell.", examples=[3])
+    record_id: int = Field(description="Record number within the cell.", examples=[3])
     hash: str = Field(
         description="Hash of the entry, in hexadecimal.",
         examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
@@ -160,7 +162,7 @@ KindOfRecord = Annotated[
 
 @router.get("", responses=LIST)
 async def list_plant_cells(here: PlantHere, paging: Counted) -> list[PlantCellReply]:
-    """List the cells by name, each with the latest visit."""
+    """List the cells by name, each with the latest collection."""
     newest = await here.visits.newest()
     return paging.of([*newest.items()], lambda item: _reply(here, *item))
 
@@ -177,7 +179,7 @@ async def list_plant_records(
 
 @router.get("/{name:cell_name}", responses=READ)
 async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
-    """Return a cell and the latest visits to it, newest first."""
+    """Return a cell and the latest collections from it, newest first."""
     newest = await here.visits.newest()
     if name not in newest:
         raise NotInPlantError(message("refused.no_cell", name=name))
@@ -197,7 +199,7 @@ async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> P
 
 @router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=READ)
 async def plan_visit(here: PlantHere, name: Name) -> PlantCellReply:
-    """Visit a cell now instead of at the next scheduled time."""
+    """Collect the records of a cell now instead of at the next scheduled time."""
     require_in_file(here, name)
     here.collector.visit_soon(name)
     return _reply(here, name, (await here.visits.newest()).get(name))
@@ -243,7 +245,7 @@ def _fault(here: PlantContext, *, known: bool) -> str | None:
     if of_records is not None:
         return of_records if known else "There is a problem; sign in for details."
     if here.collector.has_ended:
-        return "Cells are no longer visited. See the log for the reason, then restart the service."
+        return "Collection from the cells has stopped. See the log for the reason, then restart the service."
     if here.copies is not None and here.copies.fault is not None:
         return "The database could not be backed up. See the log for the reason."
     return None

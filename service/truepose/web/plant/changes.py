@@ -43,13 +43,14 @@ class PlantChangeReply(Reply):
     )
     cell: str = Field(examples=["left arm"])
     kind: ToldKind | None = Field(description="Kind of record that shows the change; null for a certificate.")
-    record_id: int | None = Field(description="Number of the record in the cell.", examples=[12])
+    record_id: int | None = Field(description="Record number within the cell.", examples=[12])
     page: str = Field(
         description="Page of the record in the cell; empty if there is none.",
         examples=["https://cell-3.example:8443/identifications/12"],
     )
     before_mm: float | None = Field(
-        description="Earlier error; null if there is none to compare with or the change is not an error.",
+        description="Earlier error; null if there is no earlier error or the change is not a change in "
+        "error.",
         examples=[0.041],
     )
     after_mm: float | None = Field(description="Present error.", examples=[0.055])

@@ -39,7 +39,8 @@ class HandDownReply(Reply):
     sentence: str = Field(description="Message from the cell; empty if there is none.", examples=[""])
     state_since: RecordedAt
     number_in_cell: int | None = Field(
-        description="Number in the cell; null if it is not there.", examples=[3]
+        description="Number of the plan or model within the cell; null if the cell has not received it.",
+        examples=[3],
     )
 
 
@@ -55,7 +56,7 @@ router = resource("/plant/hand-downs", tags=["plant"])
 async def add_hand_down(
     here: PlantHere, wanted: HandDownRequest, response: Response, key: OptionalKey
 ) -> HandDownReply:
-    """Push a plan or a model to a cell. Nothing moves; it is used only if a person there chooses to."""
+    """Push a plan or a model to a cell. Nothing moves; a person at the cell decides about its use."""
     require_in_file(here, wanted.cell)
     told = HandDown(wanted.cell, HandDownKind(wanted.kind), wanted.name, wanted.person, wanted.document)
     number = await here.hand_downs.add(told, key)

@@ -25,7 +25,7 @@ class SeenRobotReply(Reply):
 
     serial_number: str
     robot: str = Field(description="Robot type.")
-    cell: str = Field(description="Cell that measured it last; empty if there is no result yet.")
+    cell: str = Field(description="Cell with the latest measurement; empty if there is no result yet.")
     results: int = Field(description="Number of measurements and results.", examples=[12])
     last_measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
@@ -34,7 +34,7 @@ class SeenInstrumentReply(Reply):
     """An instrument used in some cell."""
 
     serial_number: str
-    results: int = Field(description="Number of results from its readings.", examples=[12])
+    results: int = Field(description="Number of results from the readings of this instrument.", examples=[12])
     last_measured_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
 
@@ -54,7 +54,7 @@ class PlantResultReply(Reply):
     id: RecordId
     cell: str = Field(examples=["left arm"])
     kind: ResultKind
-    record_id: int = Field(description="Number of the record in the cell.", examples=[3])
+    record_id: int = Field(description="Record number within the cell.", examples=[3])
     name: str
     robot: str = Field(description="Robot type.")
     robot_serial_number: str
@@ -80,7 +80,7 @@ class StatedCertificateReply(Reply):
     certificate: str = Field(examples=["ISO 10360-10 report 2026-0815"])
     expires: str = Field(description="Expiry date (ISO); empty if not stated.", examples=["2027-03-31"])
     standing: Standing = Field(description="`ends soon`: 30 days or less remain.")
-    cell: str = Field(description="Cell that stated it first.", examples=["left arm"])
+    cell: str = Field(description="Cell that first reported the certificate.", examples=["left arm"])
     stated_on: str = Field(description=_DAY, examples=["2026-05-04"])
 
 

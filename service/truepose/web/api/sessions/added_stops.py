@@ -39,8 +39,8 @@ class AdditionRequest(Request):
     )
     diagnosis_id: Number | None = Field(
         None,
-        description="Diagnosis of this session that proposed the configurations. It is repeated with the "
-        "same start model once the session has finished.",
+        description="Diagnosis of this session that proposed the configurations. The diagnosis is "
+        "repeated with the same initial model once the session has finished.",
     )
 
 

@@ -26,8 +26,8 @@ class SceneReply(Reply):
 
     points: list[ScenePointReply]
     arm_mm: list[Point] = Field(
-        description="Joint positions of the arm in this step, from the base to the last frame; the base "
-        "only if not known."
+        description="Joint positions of the arm in this step, from the base to the flange frame; only the "
+        "base if the others are not known."
     )
     leg: list[str] | None = Field(
         description="The two points connected by the ballbar.", examples=[["B2", "T3"]]
@@ -45,7 +45,7 @@ class HandsReply(Reply):
     simulated: bool = Field(description="False if a real person stands at the cell.")
     actions: list[str] = Field(examples=[["connect", "detach"]])
     holding: str = Field(
-        description="Position of the ballbar; empty if held in the hand.", examples=["connect base 2"]
+        description="Position of the ballbar; empty if hand-held.", examples=["connect base 2"]
     )
 
 
@@ -88,7 +88,7 @@ class PresentStepReply(StepReply):
         description="For a motion: true if a person has just confirmed that the cell is clear."
     )
     leg_number: int | None = Field(
-        description="Position of the length within the pose, starting at 1.", examples=[4]
+        description="Number of the length within the pose, starting at 1.", examples=[4]
     )
     leg_count: int | None = Field(examples=[6])
 
@@ -123,7 +123,7 @@ class BallbarProgressReply(Reply):
     readings: int = Field(examples=[57])
     planned: int = Field(examples=[431])
     skipped_poses: int = Field(examples=[1])
-    elapsed_s: float = Field(description="Cell time for which the session has run.", examples=[600.0])
+    elapsed_s: float = Field(description="Elapsed cell time of the session.", examples=[600.0])
     remaining_s: float | None = Field(
         description="Estimated remaining time at the present operator's pace.", examples=[5400.0]
     )
@@ -157,23 +157,26 @@ class BallbarSessionReply(SituationReply):
     )
     step: PresentStepReply | None = Field(description="Present step; null if nothing is left to do.")
     suspicion: SuspicionReply | None
-    main_answer: Answer | None = Field(description="Answer to the suspicion that the tablet offers first.")
+    main_answer: Answer | None = Field(description="Answer that the tablet suggests first.")
     swaps_can_be_seen: bool = Field(
-        description="True if the lengths of this pose are predicted well enough to detect swapped legs."
+        description="True if the lengths of this pose are predicted well enough to detect swapped lengths."
     )
     legs_alike: list[list[list[PointName]]] = Field(
-        description="Pairs of legs in the present pose that could be swapped without being detected.",
+        description="Pairs of ballbar lengths in the present pose that could be swapped without being "
+        "detected.",
         examples=[[[["B1", "T1"], ["B2", "T2"]]]],
     )
     unseen_swaps_poses: list[int] = Field(
-        description="Remaining poses in which swapped legs are unlikely to be detected during measurement.",
+        description="Remaining poses in which swapped lengths are unlikely to be detected during "
+        "measurement.",
         examples=[[1, 2, 3, 4]],
     )
     unseen_swaps: str = Field(
-        description="Consequence of undetectable swaps and what to do about it; empty if there are none."
+        description="Consequence of undetectable swaps, and remedy; empty if there are no such swaps."
     )
     ballbar_attached: bool = Field(
-        description="True if the ballbar is attached, as far as known; the robot does not move meanwhile."
+        description="True if the ballbar is attached, as far as known; the robot does not move while this "
+        "is true."
     )
     progress: BallbarProgressReply
     acting: ActingReply | None
@@ -185,7 +188,7 @@ class BallbarSessionReply(SituationReply):
 
 
 class LengthReply(Reply):
-    """A stored length, with all quantities behind it."""
+    """A stored length, with all quantities from which it was calculated."""
 
     length_mm: float = Field(description="Length: calibrator length + deviation - zero.", examples=[300.4213])
     deviation_mm: float
@@ -220,7 +223,7 @@ class PreCalibrationReply(Reply):
 
     rms_mm: float = Field(description="RMS residual of the lengths used.")
     configurations: int
-    exchanged: list[int] = Field(description="Poses with swapped legs, which must be measured again.")
+    exchanged: list[int] = Field(description="Poses with swapped lengths, which must be measured again.")
 
 
 class EntryReply(Reply):

@@ -63,10 +63,12 @@ class PoseRequest(Request):
     config: Number = Field(description="Number of the pose, unique in the session.", examples=[1])
     joints_deg: JointsDeg
     legs: list[LegPoints] = Field(
-        min_length=1, max_length=12, description="Legs, in the order in which to connect the ballbar."
+        min_length=1,
+        max_length=12,
+        description="Pairs of points between which the ballbar is connected, in this order.",
     )
     aimed_mm: list[Annotated[float, Field(gt=0, le=5000)]] | None = Field(
-        None, description="Coded length of each leg; null if all are nominal."
+        None, description="Target length for each pair of points; null if all lengths are nominal."
     )
     via_deg: Way = Field(default_factory=list)
 
@@ -91,7 +93,8 @@ class PlacementRequest(Request):
     setups: list[SetupRequest] | None = Field(None, min_length=3, max_length=4)
     away: AwayRequest | None = Field(
         None,
-        description="Waiting configuration after the last cup; null if the arm stays at the last set-up.",
+        description="Configuration in which the arm waits after the last cup; null if the arm stays at "
+        "the last set-up.",
     )
     poses: list[PoseRequest] | None = Field(None, min_length=1, max_length=500)
 
@@ -142,7 +145,8 @@ class BallbarSessionRequest(Request):
     )
     plan: SphereStops | None = Field(
         None,
-        description="A test at a single placement; null to measure six legs per pose and identify a model.",
+        description="A test at a single placement; null to measure six lengths per pose and identify a "
+        "model.",
     )
 
 
@@ -168,8 +172,8 @@ class HandsRequest(Request):
     base_point: BasePoint | None = Field(None, description="For `clamp`: cup to clamp.")
     placement: Number | None = Field(
         None,
-        description="For `place_base`: number of the placement. If it is not planned, give its coordinates "
-        "as well.",
+        description="For `place_base`: number of the placement. If the placement is not planned, give its "
+        "coordinates as well.",
     )
     x_mm: CoordinateMm | None = None
     y_mm: CoordinateMm | None = None

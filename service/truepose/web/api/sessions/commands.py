@@ -94,7 +94,7 @@ class CommandRequest(Request):
 
 
 class CommandReply(Reply):
-    """What was done, or when it will take effect."""
+    """Result of a command, or when the command will take effect."""
 
     sentence: Said = Field(examples=["B2-T3: 300.4213 mm is stored."])
     entry: int | None = Field(description="Number of the ledger entry; null if none was written.")

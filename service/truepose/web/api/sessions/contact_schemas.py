@@ -94,7 +94,7 @@ class ContactSessionRequest(Request):
     )
     axis: Direction = Field(
         [0, 0, 1],
-        description="Direction in the last frame: of the probe, of the ball on its stem, or of the "
+        description="Direction in the flange frame: of the probe, of the ball on its stem, or of the "
         "sensor's view.",
     )
     stroke_mm: float = Field(
@@ -121,7 +121,7 @@ class ContactStopReply(Reply):
     """A configuration in which gauges are read."""
 
     config: int
-    targets: list[int] = Field(description="Targets read there, in the order of the gauges.")
+    targets: list[int] = Field(description="Targets read in this configuration, in the order of the gauges.")
     way_deg: list[list[float]] = Field(
         description="Path from the clear position to the configuration, which is its last entry."
     )

@@ -33,7 +33,7 @@ class LastStopReply(Reply):
 
     config: int
     measured: bool
-    text: Said = Field(description="Reason why it was not measured.")
+    text: Said = Field(description="Reason why the configuration was not measured.")
     number: int = Field(
         description="Counter of completed attempts; distinguishes two attempts at the same configuration."
     )
@@ -136,14 +136,16 @@ class SeenPointReply(Reply):
     name: str = Field(examples=["F1"])
     position_mm: Point
     config: int | None
-    hidden: WhyHidden | None = Field(description="Reason why the instrument cannot see it; null if it can.")
+    hidden: WhyHidden | None = Field(
+        description="Reason why the nest is not visible to the instrument; null if the nest is visible."
+    )
 
 
 class BetterPlaceReply(Reply):
     """A position from which the instrument would see more."""
 
     position_mm: Point
-    configurations: int = Field(description="Number of configurations visible from there.")
+    configurations: int = Field(description="Number of configurations visible from this position.")
 
 
 class GuidedSceneReply(Reply):

@@ -65,7 +65,7 @@ class ChosenStops(Request):
 
 
 class ProvingStops(Request):
-    """Proof move: random targets, each approached without correction and with that of a model."""
+    """Proof move: random targets, each approached without and with correction by a model."""
 
     method: Literal["prove"]
     model_id: Number
@@ -87,13 +87,13 @@ class TurnRequest(Request):
 
 
 class CircleStops(Request):
-    """Circle test: one joint is turned up and down at a time while all others are at rest."""
+    """Circle test: one joint at a time is turned in both directions while all others are at rest."""
 
     method: Literal["circles"]
     turns: list[TurnRequest] = Field(
         [],
         max_length=32,
-        description="Joints to turn; if empty, those of the standard test, as far as limits and line "
+        description="Joints to turn; if empty, the joints of the standard test, as far as limits and line "
         "of sight allow.",
     )
 
@@ -110,8 +110,8 @@ class PoseStops(Request):
         None,
         gt=0,
         le=10_000,
-        description="Edge length of the cube. Null (also for the centre): the largest cube with clearance "
-        "and line of sight in the cell.",
+        description="Edge length of the cube. Null, together with a null centre: the largest cube with "
+        "clearance and line of sight in the cell.",
         examples=[200],
     )
     centre_mm: list[LengthMm] | None = Field(
@@ -130,13 +130,13 @@ class PoseStops(Request):
         None,
         min_length=4,
         max_length=4,
-        description="Orientation of the last frame in the base frame, w first. Null: facing the floor, or "
-        "tilted as far as line of sight in a chosen cube requires.",
+        description="Orientation of the flange frame in the base frame, w first. Null: the tool points "
+        "down; in an automatically chosen cube it is tilted as far as line of sight requires.",
     )
     nest: Number | None = Field(
         None,
-        description="Tool nest measured at the poses. Null: the first nest, or the one visible in a "
-        "chosen cube.",
+        description="Tool nest measured at the poses. Null: the first nest or, in an automatically chosen "
+        "cube, the visible nest.",
     )
     cycles: int = Field(
         30,
@@ -225,14 +225,16 @@ class SessionReply(Reply):
     prompt: PromptReply | None = Field(
         description="Prompt that is waiting for an answer; null if there is none."
     )
-    trouble: SaidOrNull = Field(description="Reason why the session waits for the disk; null if it does not.")
+    trouble: SaidOrNull = Field(
+        description="Reason why the session waits for the disk; null if it is not waiting."
+    )
     tracker_in_question: IdentityReply | None = Field(
         description="A different tracker has responded; accept it by confirming with its serial number. "
         "Null if there is none."
     )
     motion_notice: SaidOrNull = Field(
-        description="What this software cannot do once the arm moves, for the person who confirms; null "
-        "without a robot."
+        description="Limitations of this software once the arm moves, shown to the person who confirms; "
+        "null without a robot."
     )
     planned: int = Field(
         description="Number of configurations in the plan, including repeat measurements.", examples=[55]
@@ -258,7 +260,7 @@ class SessionDetailReply(SessionReply):
         description="Position of the tracker in the world frame."
     )
     identities: list[IdentityReply] = Field(
-        description="Devices that identified themselves, and who accepted them."
+        description="Devices that identified themselves, with the people who accepted them."
     )
     notes: list[Said]
 
@@ -276,7 +278,7 @@ class SkippedStopReply(Reply):
     """A configuration that was not measured; no value is substituted."""
 
     config: int = Field(examples=[17])
-    time_s: float = Field(description="Cell time at which it was skipped.")
+    time_s: float = Field(description="Cell time at which the configuration was skipped.")
     reason: Said = Field(examples=["No reflector was found within 10 mm."])
 
 

@@ -92,7 +92,7 @@ async def plan_session(
 
 @router.get("/{id}/proof", responses=ACT)
 async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
-    """Return the result of a proof move: how far the corrections of a model improve the accuracy."""
+    """Return the result of a proof move: how much the correction by a model improves the accuracy."""
     model = (await here.results.model(model_id)).model
     return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
 

@@ -51,7 +51,7 @@ class PromptReply(Reply):
     )
     message: Said = Field(examples=["Is the cell clear?"])
     picture: str = Field(
-        description="Address of the picture to show beside it.", examples=["/api/v1/sessions/3/scene"]
+        description="Address of the picture to show beside the prompt.", examples=["/api/v1/sessions/3/scene"]
     )
     answered_by: CommandName = Field(description="Command that answers the prompt.", examples=["confirm"])
     leads_to: list[int] = Field(
@@ -79,10 +79,12 @@ class SituationReply(Reply):
     prompt: PromptReply | None = Field(
         description="Prompt that is waiting for an answer; null if there is none."
     )
-    trouble: SaidOrNull = Field(description="Reason why the session waits for the disk; null if it does not.")
+    trouble: SaidOrNull = Field(
+        description="Reason why the session waits for the disk; null if it is not waiting."
+    )
     motion_notice: SaidOrNull = Field(
-        description="What this software cannot do once the arm moves, for the person who confirms; null "
-        "without a robot."
+        description="Limitations of this software once the arm moves, shown to the person who confirms; "
+        "null without a robot."
     )
     people: People
     ledger_number: int | None = Field(description="Number of the latest ledger entry; null before the first.")
@@ -90,7 +92,7 @@ class SituationReply(Reply):
     commands: list[CommandName] = Field(description="Commands available now.")
     watching: int = Field(description="Number of tablets that follow the session.", examples=[2])
     identities: list[IdentityReply] = Field(
-        description="Devices that identified themselves, and who accepted them."
+        description="Devices that identified themselves, with the people who accepted them."
     )
 
 
