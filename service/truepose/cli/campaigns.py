@@ -45,7 +45,7 @@ def identify_command(
         bool,
         typer.Option(
             "--compare-thesis",
-            help="Ballbar campaigns: also identify from positions computed from the legs, as in the thesis.",
+            help="Ballbar campaigns: also identify from positions computed from six lengths each.",
         ),
     ] = False,
     language: Language = ENGLISH,

@@ -181,7 +181,9 @@ class _Loop:
 def _loop(targets: Path | None, distances: Path | None, nests: str, *, ballbar: bool) -> _Loop | None:
     if targets is None:
         if distances is not None or nests:
-            raise ConfigurationError("--distances and --nests are for a closed loop; give --targets as well.")
+            raise ConfigurationError(
+                "--distances and --nests apply to closed-loop campaigns only, which also need --targets."
+            )
         return None
     if ballbar:
         raise ConfigurationError("--targets and --ballbar cannot be combined; give only one of them.")

@@ -53,7 +53,8 @@ _LOG: Final = logging.getLogger(__name__)
 # A group that fails is run anew, so its size is what one bad write may cost the others.
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
 _IN_DOUBT: Final = (
-    "The connection to {} ended during a commit; whether the commit succeeded is known once it is back."
+    "The connection to {} was lost during a commit; whether the commit succeeded will not be known until the "
+    "connection is restored."
 )
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
 

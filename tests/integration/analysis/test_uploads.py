@@ -83,7 +83,7 @@ async def test_a_list_of_campaigns_shows_no_thousand_sentences_of_one():
     found = await Uploads().read(write_campaign_zip(make_campaign(notes=notes)), "left arm")
 
     assert len(found.summary.notes) == 101
-    assert found.summary.notes[-1] == "The archive lists 900 more like these."
+    assert found.summary.notes[-1] == "The archive lists 900 more such remarks."
 
 
 async def test_one_archive_is_read_at_a_time():

@@ -40,7 +40,9 @@ class JobRequestReply(Reply):
         description="Amount of work: readings, configurations, poses, or kB of a file. The duration is "
         "estimated from it and from earlier jobs.",
     )
-    proves_model_id: int | None = Field(None, description="Model to prove, for the plan of a proof move.")
+    proves_model_id: int | None = Field(
+        None, description="Model whose improvement the planned session is to measure."
+    )
     repeats_session_id: int | None = Field(None, description="Session whose plan is repeated.")
     method: str | None = Field(None, description="Test to plan: `circles`, `iso9283` or `sphere`.")
     test: str | None = Field(None, description="ISO 9283 test to plan: `poses`, `directions` or `drift`.")

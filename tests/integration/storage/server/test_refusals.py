@@ -157,7 +157,7 @@ async def test_a_commit_in_doubt_is_answered_also_where_another_service_came_bet
     line.closed = True  # to new connections
     line.cut_next_commit(when)
     second = asyncio.create_task(add(database, "second"))
-    await wait_until(lambda: "ended during a commit" in (database.condition.trouble or ""))
+    await wait_until(lambda: "was lost during a commit" in (database.condition.trouble or ""))
     async with asyncio.timeout(PATIENCE_S):
         other = await _as_soon_as_it_is_free(database_url)
         await add(other, "theirs")

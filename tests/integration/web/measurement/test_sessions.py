@@ -52,9 +52,9 @@ async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_
 
     first, second = questions
     assert first.startswith(
-        "No session of this robot has finished here yet. According to the dry run, this session has 3 config"
+        "No session with this robot has been completed here yet. According to the dry run, this session has 3 config"
     )
-    assert "at 250 mm/s at most until one session has finished" in first
+    assert "limited to 250 mm/s until a session has been completed" in first
     assert second.startswith("The robot is about to move.")
     assert (speeds[0], speeds[-1]) == (250.0, 500.0)
 

@@ -162,7 +162,7 @@ CERTAIN = (
     "Order 2 Phase 41.2 ± 3.7 deg",
     "Certain : no alternative explanation fits these data nearly as well",
     "the 95 % interval of the improvement lies above 0.",
-    "Not one of the causes that these data can show. However, these data cannot show the following ",
+    "This cause cannot be detected from these data. However, these data cannot show the following ",
     "the following similar causes at all:",
     "backlash: all configurations were approached from the same side",
     "wave_6_2_cos 0.0218 0.0013 deg",  # 3.8e-4 rad and 2.3e-5 rad

@@ -70,7 +70,7 @@ class StepReply(Reply):
         description="Expected length: nominal, coded or predicted.", examples=[300.42]
     )
     attempt: int = Field(
-        description="Number of attempts at the pose; 2 for the first repetition.", examples=[1]
+        description="Attempt at this pose: 1 for the first, 2 for the first repetition.", examples=[1]
     )
     bars_mm: list[float] | None = Field(description="Extension bars to screw on.", examples=[[150.0, 50.0]])
     nominal_mm: float | None = Field(

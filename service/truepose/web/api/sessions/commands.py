@@ -49,7 +49,7 @@ class CommandRequest(Request):
     step_id: str | None = Field(
         None,
         max_length=200,
-        description="Step that the person saw or refers to, such as `stop-7` or `tool/initialise`. Null: "
+        description="Step that the user saw or refers to, such as `stop-7` or `tool/initialise`. Null: "
         "the present step; for `retry` and `back` in sessions without a ballbar, the last "
         "completed step.",
         examples=["stop-7"],

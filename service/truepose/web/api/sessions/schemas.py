@@ -53,7 +53,7 @@ class ChosenStops(Request):
     configurations: int = Field(
         ge=1,
         le=MOST_STOPS,
-        description="Number of configurations, without repeat measurements.",
+        description="Number of distinct configurations, not counting repeat measurements.",
         examples=[50],
     )
     seed: int = Field(
