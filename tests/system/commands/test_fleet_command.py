@@ -31,7 +31,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
 
     assert (status, again) == (0, 0)
     assert "No significant change" in " ".join(said.split())
-    assert "Measure robot 00 next. No particular reason" in " ".join(said.split())
+    assert "Measure robot 00 next. No robot needs measuring urgently" in " ".join(said.split())
     assert "causes in robot 00 has grown by" in remarks
     assert "Another robot of the type is predicted to reach a mean error of" in remarks
     assert len(files["new.csv"].read_text().splitlines()) == 16

@@ -316,7 +316,7 @@ async def test_of_many_places_left_alone_a_record_tells_the_first_and_counts_all
     page = Page((await client.get(f"/corrections/{record['id']}")).text).text
 
     assert (record["left_alone_count"], len(record["document"]["left_alone"])) == (1201, 500)
-    assert "1,201 places in the program were not changed" in page
+    assert "1,201 statements in the program were not changed" in page
     assert "The first 500 of 1,201 are listed." in page
 
 
