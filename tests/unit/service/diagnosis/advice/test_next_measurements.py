@@ -68,7 +68,7 @@ def test_rivals_of_the_angle_are_told_apart_by_configurations(start):
     assert set(proposal.separates) == {Cause(*GAIN), Cause(*COUPLING)}
     assert 3 <= len(proposal.configurations_deg) <= 5
     assert {len(row) for row in proposal.configurations_deg} == {6}
-    assert "as far as the instrument sees them" in english(proposal.sentence)
+    assert "configurations as the instrument can see" in english(proposal.sentence)
 
 
 def test_the_same_data_get_the_same_answer(start):
