@@ -211,7 +211,7 @@ REFUSED = {
         "[conditions]",
         '[[effect]]\nname = "joint_gain"\namplitude = 1\n[conditions]',
         "effect",
-        "in a simulated cell only",
+        "only in a simulated cell",
     ),
     "a simulated clock beside real devices": (
         "[[device]]",
