@@ -214,7 +214,7 @@ async def test_a_session_without_readings_has_nothing_to_diagnose(client):
     refused = await client.post(f"{await planned(client)}/diagnosis", json={})
 
     assert refused.status_code == 409
-    assert "run it first" in refused.json()["detail"]
+    assert "run the session first" in refused.json()["detail"]
 
 
 async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
