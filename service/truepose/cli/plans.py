@@ -182,7 +182,7 @@ def _loop(targets: Path | None, distances: Path | None, nests: str, *, ballbar: 
     if targets is None:
         if distances is not None or nests:
             raise ConfigurationError(
-                "--distances and --nests apply to closed-loop campaigns only, which also need --targets."
+                "--distances and --nests apply to closed loops only: give --targets as well."
             )
         return None
     if ballbar:

@@ -162,7 +162,7 @@ def test_taps_without_a_network_arrive_once_each(chromium, url, bench, ended):
             page.get_by_role("button", name=f"Configuration {config}, pending").click()
             page.get_by_role("button", name="Skip").click()
             page.get_by_text("Something blocks the beam").click()
-            page.get_by_role("button", name="Skip it").click()
+            page.get_by_role("button", name="Skip this configuration").click()
         page.get_by_role("button", name="Pause").click()
         expect(page.locator("#queued")).to_have_attribute("data-count", "3")
         wire.heal()

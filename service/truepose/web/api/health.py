@@ -53,7 +53,7 @@ class Health(Reply):
         description="People permitted to move the arm: those in the cell file, or anyone who gives a name."
     )
     writable: bool = Field(
-        description="False if records cannot be written to disk; sessions pause until they can."
+        description="False if records cannot be stored; sessions wait until they can."
     )
     integrity: IntegrityReply
     sqlite: str = Field(description="Version of the SQLite library.", examples=["3.53.4"])

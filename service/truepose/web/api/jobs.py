@@ -41,7 +41,7 @@ class JobRequestReply(Reply):
         "estimated from it and from earlier jobs.",
     )
     proves_model_id: int | None = Field(
-        None, description="Model whose improvement the planned session is to measure."
+        None, description="Model whose improvement the session measures."
     )
     repeats_session_id: int | None = Field(None, description="Session whose plan is repeated.")
     method: str | None = Field(None, description="Test to plan: `circles`, `iso9283` or `sphere`.")

@@ -135,7 +135,7 @@ async def test_a_test_stays_the_test_it_was(client, until):
     assert [title[0].split("·")[1] for title in titles] == [" ISO 9283 test "] * 2
     refused = await client.post(f"/api/v1/sessions/{first}/again", json={"name": "x", "poses": "anew"})
     assert refused.status_code == 409
-    assert "belong together" in refused.json()["detail"]
+    assert "form a fixed set" in refused.json()["detail"]
 
 
 async def test_where_the_cell_is_the_same_nothing_is_said_to_differ(client):

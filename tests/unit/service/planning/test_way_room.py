@@ -165,7 +165,7 @@ def test_above_a_floor_that_nobody_states_the_way_is_spoken_of_and_not_refused()
     told = path_warnings(bodies_of(CELL), ways)
     assert "assumed floor" in english(told)
     assert "76 mm below floor or table" in english(told)
-    assert "Nor do 2 other paths." in english(told)
+    assert "2 other paths do not look clear either." in english(told)
 
 
 @pytest.mark.parametrize("offset_rad", [OFFSET, None])

@@ -61,7 +61,7 @@ def with_placement(**changes):
         (with_placement(cups_mm=(*CUPS[:2], (150.0, 262.0, 0.0))), "cups 2 and 3 301.90 mm apart"),
         (with_placement(setups=()), "hold the ball"),
         (with_pose(placement=2), "belongs to placement 2"),
-        (with_pose(legs=LEGS[:5]), "5 legs"),
+        (with_pose(legs=LEGS[:5]), "5 ballbar lengths"),
         (with_pose(legs=(*LEGS, LEGS[0])), "twice"),
         (with_pose(legs=(*LEGS[:5], (4, 1))), "B4-T1"),
         (with_pose(aimed_mm=(300.0,) * 5), "5 target lengths"),

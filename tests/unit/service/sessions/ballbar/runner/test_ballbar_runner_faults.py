@@ -281,7 +281,7 @@ async def test_what_is_wrong_with_a_pre_calibration_is_no_reason_to_lose_the_ses
         while bench.now.state is SessionState.RUNNING:
             await bench.do()
 
-        assert "Configuration 2 has 1 legs" in english(question(bench.runner))
+        assert "Configuration 2 has 1 ballbar lengths" in english(question(bench.runner))
 
 
 async def test_a_pose_to_which_no_clear_way_was_found_is_left_out_with_the_reason():
