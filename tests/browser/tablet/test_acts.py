@@ -209,7 +209,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "other_pair",
             "The length matches B1\u2013T2, not B2\u2013T3.",
             "right_pair",
-            "It is on B2\u2013T3",
+            "The ballbar is on B2\u2013T3",
         ),
         (
             "exchanged",
@@ -217,7 +217,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "reconnected",
             "Swapped: read both again",
         ),
-        ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
+        ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "The ballbar is on B2\u2013T3"),
         (
             "calibrator",
             "This is the length of the calibrator",
@@ -228,7 +228,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "like_calibrator",
             "does not show which of the two was measured",
             "right_pair",
-            "It is on B2\u2013T3",
+            "The ballbar is on B2\u2013T3",
         ),
         (
             "same_connection",
@@ -236,7 +236,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "reconnected",
             "I have reconnected the ballbar",
         ),
-        ("not_calibrator", "differs from the previous one", "right_pair", "It is on B2\u2013T3"),
+        ("not_calibrator", "differs from the previous one", "right_pair", "The ballbar is on B2\u2013T3"),
         (
             "same_bars",
             "the zero of the other extension bars",
