@@ -52,9 +52,7 @@ class Health(Reply):
     people: Literal["announced", "anybody"] = Field(
         description="People permitted to move the arm: those in the cell file, or anyone who gives a name."
     )
-    writable: bool = Field(
-        description="False if records cannot be stored; sessions wait until they can."
-    )
+    writable: bool = Field(description="False if records cannot be stored; sessions wait until they can.")
     integrity: IntegrityReply
     sqlite: str = Field(description="Version of the SQLite library.", examples=["3.53.4"])
     sqlite_mended: bool = Field(

@@ -40,9 +40,7 @@ class JobRequestReply(Reply):
         description="Amount of work: readings, configurations, poses, or kB of a file. The duration is "
         "estimated from it and from earlier jobs.",
     )
-    proves_model_id: int | None = Field(
-        None, description="Model whose improvement the session measures."
-    )
+    proves_model_id: int | None = Field(None, description="Model whose improvement the session measures.")
     repeats_session_id: int | None = Field(None, description="Session whose plan is repeated.")
     method: str | None = Field(None, description="Test to plan: `circles`, `iso9283` or `sphere`.")
     test: str | None = Field(None, description="ISO 9283 test to plan: `poses`, `directions` or `drift`.")

@@ -52,7 +52,7 @@ async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_
 
     first, second = questions
     assert first.startswith(
-        "No session with this robot has been completed here yet. According to the dry run, this session has 3 config"
+        "No session with this robot has been completed here yet. According to the dry run, this session has 3"
     )
     assert "limited to 250 mm/s until a session has been completed" in first
     assert second.startswith("The robot is about to move.")
