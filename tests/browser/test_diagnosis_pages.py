@@ -56,7 +56,7 @@ def test_the_line_below_the_arm_has_lengths_and_no_nan(service, tablet):
         return view.part("pose").textContent;
     }""")
 
-    assert said == "Configuration 4: error 0.422 mm before, 0.047 mm after."
+    assert said == "Configuration 4: error 0.422 mm before calibration, 0.047 mm after."
 
 
 def test_a_view_that_is_not_there_yet_says_so(service, tablet):

@@ -65,7 +65,7 @@ def test_the_robot_that_ages_is_due_first_and_the_day_of_the_limit_says_why(agei
     assert f"before {date.fromordinal(int(first.passing.earliest))}" in english(next_said(first, 2.0 * size))
     passed = english(next_said(due(ageing, 0.5 * size)[0], 0.5 * size))
     assert "exceeded" in passed
-    assert passed.endswith("before it was last measured.")
+    assert passed.endswith("before the robot was last measured.")
 
 
 def test_what_an_account_foretells_is_kept_as_it_was_found(ageing, steady):

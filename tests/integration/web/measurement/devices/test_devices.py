@@ -48,7 +48,7 @@ async def test_a_device_that_is_not_there_is_answered_with_those_that_are(client
     refused = await client.get("/api/v1/devices/camera")
 
     assert refused.status_code == 404
-    assert refused.json()["detail"] == "The cell has no device 'camera'; it has: tracker, robot."
+    assert refused.json()["detail"] == "The cell has no device 'camera'; available devices: tracker, robot."
 
 
 async def test_an_unknown_robot_is_answered_with_the_known_ones(client):
