@@ -49,8 +49,8 @@ def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(servi
     form = tablet.locator("#sphere")
 
     form.get_by_role("button", name="Plan test").click()
-    expect(form.get_by_label("Fixture, x")).to_be_focused()  # the browser asks for what is needed
-    for label, value in (("Fixture, x", "350"), ("Fixture, y", "-150"), ("Fixture, z", "150")):
+    expect(form.get_by_label("Fixture x")).to_be_focused()  # the browser asks for what is needed
+    for label, value in (("Fixture x", "350"), ("Fixture y", "-150"), ("Fixture z", "150")):
         form.get_by_label(label).fill(value)
     made = {"id": 1, "state": "planned", "result_url": "/sessions/1/result"}
     tablet.route("**/api/v1/sessions", lambda route: route.fulfill(json=made))
@@ -71,7 +71,7 @@ def test_what_the_service_refuses_is_said_at_the_form(service, chromium):
         page.goto(f"{service.url}/sessions/new")
         form = page.locator("#iso9283")
 
-        form.get_by_label("Centre, x").fill("300")
+        form.get_by_label("Centre x").fill("300")
         form.get_by_role("button", name="Plan test").click()
 
         expect(form.get_by_role("status")).to_contain_text("centre_mm")

@@ -289,7 +289,7 @@ def test_a_base_far_from_its_nominal_place_is_found_and_said():
     answer = identify(replace(campaign, calibration=replace(campaign.calibration, position_mm=moved)))
 
     assert answer.status is Status.CONVERGED
-    assert "the base stands 1000 mm and 90." in english(answer.message)
+    assert "the base is 1000 mm and 90." in english(answer.message)
     assert answer.calibration.identified.rms_mm < 0.03  # 0.015 mm per axis
     assert "base stands" not in english(identify(campaign).message)
 

@@ -101,7 +101,7 @@ async def test_of_clear_ways_nothing_is_said(client):
 
     assert planned.json()["notes"] == []
     assert (
-        "until one session has finished. The robot is about to move."
+        "until a session has been completed. The robot is about to move."
         in started.json()["session"]["prompt"]["message"]
     )
 
@@ -130,7 +130,7 @@ async def test_a_robot_that_does_not_say_where_it_stands_keeps_no_question_waiti
     started = await command(client, planned.headers["Location"], "start")
 
     assert (
-        "until one session has finished. The robot is about to move."
+        "until a session has been completed. The robot is about to move."
         in started.json()["session"]["prompt"]["message"]
     )
 

@@ -209,7 +209,7 @@ def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
     shown = CAUSES["instrument_scale"].describe("tracker", fitted, telling_scene())
 
     assert (shown.amplitude, shown.standard_uncertainty) == (scale, pytest.approx(1e-6))
-    assert f"too {word}, by 20.0 \u00b5m per metre" in english(shown.sentence)
+    assert f"reads {word} by 20.0 \u00b5m per metre" in english(shown.sentence)
 
 
 def test_certified_nests_err_as_their_certificates_say_and_exact_ones_not_at_all():
