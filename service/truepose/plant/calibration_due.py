@@ -17,7 +17,8 @@ from typing import Final
 from truepose.messages.message import Message, Value, message
 from truepose.storage.caches import FleetComparison, LimitForecast
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
-from truepose.storage.plant.result_projections import FAILED, ToldKind
+from truepose.storage.plant.result_projections import ToldKind
+from truepose.storage.results.items import FAILED
 
 _MONTH_DAYS: Final = 30.0  # a quick check each month
 _AHEAD: Final = timedelta(days=1)  # of the plant's day, in another time zone

@@ -17,6 +17,7 @@ from truepose.storage.plant.certificates import add_certificates, stated_certifi
 from truepose.storage.plant.records import Branch, CollectedLink, Document, day_of, document_in
 from truepose.storage.plant.tables import plant_results, plant_told
 from truepose.storage.record_insertion import add_row
+from truepose.storage.results.items import FAILED, PASSED
 from truepose.storage.rows import to_row
 
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]
@@ -30,8 +31,6 @@ UNKNOWN_FORM: Final = (
     TypeError,
     ValueError,
 )
-PASSED: Final = "passed"
-FAILED: Final = "failed"
 
 
 @dataclass(frozen=True, slots=True)

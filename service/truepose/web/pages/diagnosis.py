@@ -41,6 +41,11 @@ class Actions:
     configurations_deg: tuple[tuple[float, ...], ...]  # of all proposals
     again: dict[str, object]  # body of the request that repeats this diagnosis on all readings by now
 
+    @property
+    def measures(self) -> bool:
+        """Whether what the diagnosis proposes can be measured in its session."""
+        return bool(self.configurations_deg) and not self.ended
+
 
 @router.get("/diagnoses", response_class=HTMLResponse)
 async def diagnoses_page(visit: Visited) -> HTMLResponse:

@@ -14,7 +14,7 @@ from truepose.exchange.models.exports import FORMATS, Format, export
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
-from truepose.storage.results.items import WorkKind
+from truepose.storage.results.items import WorkItem, WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
 from truepose.web.pages.conditions import conditions_of_result
@@ -72,15 +72,13 @@ async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLRespo
         visit, of, lambda: asyncio.to_thread(_rendered, record, visit.words), whole=whole
     )
     trail = await trail_of(visit, WorkKind.MODEL, record.id)
-    outcome = await _outcome(visit, record)
+    outcome = await _outcome(visit, record, trail.lineage.newest(WorkKind.VALIDATION))
     return visit.page("results/model.html", record=record, outcome=outcome, told=told, trail=trail)
 
 
-async def _outcome(visit: Visit, record: ModelRecord) -> Message | None:
+async def _outcome(visit: Visit, record: ModelRecord, judged: WorkItem | None) -> Message | None:
     """Return what a model came to where it was judged last; None of one that was handed down unjudged."""
     here = visit.here
-    lineage = await here.lineages.of(WorkKind.MODEL, record.id)
-    judged = lineage.newest(WorkKind.VALIDATION)
     if judged is not None:
         return outcome_of((await here.results.validation(judged.id)).validation)
     if record.diagnosis_id is not None:

@@ -136,6 +136,7 @@ class Trail:
 
     here: str  # address of the record itself
     report: str  # its address; empty where a record of this kind has none
+    lineage: Lineage
     links: tuple[Link, ...]
     step: NextAction | None
 
@@ -145,7 +146,8 @@ async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
     lineage = await visit.here.lineages.of(kind, number)
     links = tuple(link_to(item, visit.words) for item in lineage.items)
     report = f"/reports/{kind.value}/{number}" if kind in _REPORTED else ""
-    return Trail(address_of(kind, number), report, links, action_after(await _judged(visit, kind, lineage)))
+    step = action_after(await _judged(visit, kind, lineage))
+    return Trail(address_of(kind, number), report, lineage, links, step)
 
 
 async def _judged(visit: Visit, kind: WorkKind, lineage: Lineage) -> Lineage:
