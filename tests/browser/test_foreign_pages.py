@@ -110,7 +110,8 @@ def unbroken_policy(page):
 def test_our_own_pages_break_none_of_their_rules(chromium, service, path):
     with chromium.one(service.url) as page, unbroken_policy(page):
         page.goto(service.url + path)
-        page.wait_for_load_state("networkidle" if not path.startswith("/operator") else "load")
+        page.evaluate("document.fonts.ready")
+        page.evaluate("new Promise((painted) => requestAnimationFrame(() => requestAnimationFrame(painted)))")
 
         assert page.evaluate("getComputedStyle(document.body).fontFamily")
         assert page.evaluate("[...document.styleSheets].every((sheet) => sheet.cssRules.length > 0)")
