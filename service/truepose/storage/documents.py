@@ -10,12 +10,13 @@ block after it.
 """
 
 import dataclasses
+import functools
 import io
 import json
 import math
 import tokenize
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from datetime import date
 from enum import Enum
 from typing import Any, Final, Literal, TypeAlias, TypeVar, Union, cast, get_args, get_origin, get_type_hints
@@ -85,7 +86,7 @@ def from_document(kind: type[T], document: Any) -> T:
     try:
         # Whatever goes wrong here is a stored document that does not have the form of its noun: damage, or
         # another version's record. A traceback would be called a fault of the program, and end the session.
-        return cast(T, _decode(kind, document))
+        return cast(T, _decoder(cast(Hashable, kind))(document))
     except _UNLIKE as error:
         raise _unreadable(getattr(kind, "__name__", str(kind)), error) from error
 
@@ -104,51 +105,78 @@ def from_json(text: str) -> Any:
         raise _unreadable("document", error) from error
 
 
-def _decode(hint: Any, document: Any) -> Any:
+Decoder: TypeAlias = Callable[[Any], Any]
+
+
+@functools.cache
+def _decoder(hint: Any) -> Decoder:
+    """Return what reads a value of a type: hints are looked up once, not once a document."""
     origin = get_origin(hint)
     if origin in {Union, types.UnionType}:
-        return _decode_union(get_args(hint), document)
+        return _union_decoder(get_args(hint))
     if origin is tuple:
-        return _decode_tuple(get_args(hint), document)
+        return _tuple_decoder(get_args(hint))
     if origin is np.ndarray:
-        return _decode_array(hint, document)
+        return _array_decoder(hint)
     if origin is Literal or hint is Any:
-        return document
+        return _as_it_is
     if origin in {dict, Mapping}:
-        return {key: _decode(get_args(hint)[1], entry) for key, entry in document.items()}
-    return _decode_plain(origin or hint, document)
+        entry = _decoder(get_args(hint)[1])
+        return lambda document: {key: entry(value) for key, value in document.items()}
+    return _plain_decoder(origin or hint)
 
 
-def _decode_plain(kind: Any, document: Any) -> Any:
+def _as_it_is(document: Any) -> Any:
+    return document
+
+
+def _plain_decoder(kind: Any) -> Decoder:
     # Before dataclasses, of which a message is one: its values are of several kinds, which type hints do not
     # tell apart.
     if kind is Message:
-        return _message(document)
+        return _message
     if dataclasses.is_dataclass(kind):
-        hints = get_type_hints(kind)
-        return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
+        return _noun_decoder(kind)
     if isinstance(kind, type) and issubclass(kind, Enum):
-        return kind(document)
-    # JSON writes 3.0 as it likes: some programs write 3, which comes back as an int.
+        return kind
     if kind is float:
-        return math.nan if document is None else float(document)
+        return _float
     if kind is date:
-        return date.fromisoformat(document)
+        return date.fromisoformat
     if kind in _AS_IN_JSON:
-        return document
+        return _as_it_is
     # Handed on as it is, an unknown form would fail later, and elsewhere.
     raise TypeError(f"nothing says how {kind} is read")
 
 
-def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
-    if document is None and types.NoneType in hints:
-        return None
+def _noun_decoder(kind: Any) -> Decoder:
+    hints = get_type_hints(kind)
+
+    # Asked for when it is met, as a noun may hold others of its kind.
+    @functools.cache
+    def of_field(name: str) -> Decoder:
+        return _decoder(hints[name])
+
+    return lambda document: kind(**{name: of_field(name)(entry) for name, entry in document.items()})
+
+
+def _float(document: Any) -> float:
+    # JSON writes 3.0 as it likes: some programs write 3, which comes back as an int.
+    return math.nan if document is None else float(document)
+
+
+def _union_decoder(hints: tuple[Any, ...]) -> Decoder:
     concrete = [hint for hint in hints if hint is not types.NoneType]
-    # A text is a message or somebody's own words; only the former is an object (decision 0078).
-    if Message in concrete and isinstance(document, dict):
-        return _message(document)
     # A union of plain scalars (dict values) is already what JSON gave.
-    return _decode(concrete[0], document) if len(concrete) == 1 else document
+    only = _decoder(concrete[0]) if len(concrete) == 1 else _as_it_is
+
+    def decode(document: Any) -> Any:
+        if document is None and types.NoneType in hints:
+            return None
+        # A text is a message or somebody's own words; only the former is an object (decision 0078).
+        return _message(document) if Message in concrete and isinstance(document, dict) else only(document)
+
+    return decode
 
 
 def text_from(document: Any) -> Text:
@@ -174,20 +202,26 @@ def _value(document: Any) -> Value:
     return _message(document) if isinstance(document, dict) else cast(Value, document)
 
 
-def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
+def _tuple_decoder(hints: tuple[Any, ...]) -> Decoder:
     if len(hints) == 2 and hints[1] is Ellipsis:
-        return tuple(_decode(hints[0], entry) for entry in document)
-    return tuple(_decode(hint, entry) for hint, entry in zip(hints, document, strict=True))
+        entry = _decoder(hints[0])
+        return lambda document: tuple(map(entry, document))
+    entries = [_decoder(hint) for hint in hints]
+    return lambda document: tuple(read(value) for read, value in zip(entries, document, strict=True))
 
 
-def _decode_array(hint: Any, document: Any) -> Any:
+def _array_decoder(hint: Any) -> Decoder:
     (dtype,) = get_args(get_args(hint)[1])
-    # Comes from `unpack`, where the array has replaced its reference already.
-    if isinstance(document, np.ndarray):
-        return document.astype(dtype, copy=False)
-    entries = np.array(document, dtype=object)
-    entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
-    return entries.astype(dtype)
+
+    def decode(document: Any) -> Array:
+        # Comes from `unpack`, where the array has replaced its reference already.
+        if isinstance(document, np.ndarray):
+            return document.astype(dtype, copy=False)
+        entries = np.array(document, dtype=object)
+        entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
+        return entries.astype(dtype)
+
+    return decode
 
 
 _BLOCK: Final = b"\x93NUMPY"  # begins one
