@@ -14,7 +14,7 @@ _UNREADABLE = re.compile(
 _ASKED = re.compile(r"^### ", re.MULTILINE)
 _OUTCOME = re.compile(r"^Mean error \S+ mm before \(nominal\), .*$", re.MULTILINE)
 _NUMBER = re.compile(r"-?[\d,]*\.?\d+")
-_MODELS = ("nominal", "identified", "start model", "after")
+_MODELS = ("nominal", "identified", "initial model", "after")
 _RESULTS = ("identification", "diagnosis", "validation")
 _PLURALS = {"diagnosis": "diagnoses"}
 

@@ -51,7 +51,7 @@ def usual_poses(
 ) -> tuple[PosePlan, int]:
     """Return the poses in the largest cube, the tool tilted as little as may be, and the nest that is seen.
 
-    Rotation of the last frame in the base, (3, 3), and nest are chosen where they are not given. Raises
+    Rotation of the flange frame in the base, (3, 3), and nest are chosen where they are not given. Raises
     ConfigurationError where no such cube was found.
     """
     rotations = _rotations() if rotation is None else [rotation]

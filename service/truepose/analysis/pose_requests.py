@@ -19,7 +19,7 @@ class PoseRequest:
     centre_mm: tuple[float, float, float] | None  # of the cube, in the base; None with the edge: chosen
     edge_mm: float | None
     plane: "Plane"
-    quaternion: tuple[float, float, float, float] | None  # w first, of the last frame in the base
+    quaternion: tuple[float, float, float, float] | None  # w first, of the flange frame in the base
     nest: int | None
     cycles: int
     test: "PoseTestKind" = "poses"

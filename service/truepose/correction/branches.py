@@ -51,7 +51,7 @@ class NominalArm:
         # A closed form answers in the robot's base, and only the identified base says where in the world that
         # stands.
         self._rotation, self._origin = state.chain.base_rotation[0], state.chain.base_origin[0]
-        self.nests_mm = nest_centres(estimate.structure, state.moved)  # (K, 3) in the last frame
+        self.nests_mm = nest_centres(estimate.structure, state.moved)  # (K, 3) in the flange frame
 
     @property
     def has_branches(self) -> bool:
@@ -59,7 +59,7 @@ class NominalArm:
         return has_closed_form(self.estimate.structure.robot)
 
     def flange(self, goals: Goals) -> FloatArray:
-        """Return where goals put the last frame, in the robot's base.
+        """Return where goals put the flange frame, in the robot's base.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class NominalArm:
         return self._in_base(goals.rotation, origin)
 
     def attained(self, goals: Goals, joints_rad: FloatArray) -> FloatArray:
-        """Return where the identified arm has its last frame, in the robot's base.
+        """Return where the identified arm has its flange frame, in the robot's base.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class NominalArm:
         return found.without(branch_of(robot, np.nan_to_num(found.joints_rad)) != branch)
 
     def commanded(self, joints_rad: FloatArray) -> FloatArray:
-        """Return where the controller believes its last frame to be, in the robot's base.
+        """Return where the controller believes its flange frame to be, in the robot's base.
 
         Parameters
         ----------

@@ -84,7 +84,7 @@ def in_world(model: Model, goals: Goals) -> Goals:
 
 
 def flange_in_base(model: Model, goals: Goals) -> FloatArray:
-    """Return where goals in the world have the last frame, in the robot's base.
+    """Return where goals in the world have the flange frame, in the robot's base.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def flange_in_base(model: Model, goals: Goals) -> FloatArray:
 
 
 def goals_of_joints(model: Model, stops: Stops) -> Goals:
-    """Return goals, in the world, where the controller itself has the last frame at these stops.
+    """Return goals, in the world, where the controller itself has the flange frame at these stops.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def tool_nests_mm(model: Model) -> FloatArray:
     Returns
     -------
     ndarray, shape (K, 3)
-        [mm], last frame.
+        [mm], flange frame.
     """
     return _arm(model).nests_mm[:-1]
 
@@ -144,7 +144,7 @@ def pose_shifts(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Flo
     Returns
     -------
     place_mm : ndarray, shape (n, 3)
-        Where the goals have the origin of the last frame, in the robot's base.
+        Where the goals have the origin of the flange frame, in the robot's base.
     shift_mm : ndarray, shape (n, 3)
         From there to where the controller believes that origin to be with these joints; NaN as these.
     """
@@ -153,12 +153,12 @@ def pose_shifts(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Flo
 
 
 def _arm(model: Model) -> NominalArm:
-    # A model may have been made without a nest; the origin of its last frame is always there.
+    # A model may have been made without a nest; the origin of its flange frame is always there.
     return NominalArm(with_flange(identified_estimate(model)))
 
 
 def with_flange(estimate: Estimate) -> Estimate:
-    """Return an estimate with one more nest, the origin of the last frame, behind its own.
+    """Return an estimate with one more nest, the origin of the flange frame, behind its own.
 
     Parameters
     ----------

@@ -261,7 +261,7 @@ class ControllerValues:
     world : FramePlacement
         Of the frame of the readings in the robot's base: a work object.
     tool_points : tuple of NestCentre
-        In the controller's last frame.
+        In the controller's flange frame.
     tool_frame : FramePlacement or None
         Nest 1, x to nest 2, nest 3 in the plane of x and y.
     nominal : ZoneError
@@ -275,7 +275,7 @@ class ControllerValues:
     joint_zeros_rad: tuple[float, ...]  # true angle minus the angle that the controller shows
     base: FramePlacement  # of the robot in the frame of the readings
     world: FramePlacement  # of the frame of the readings in the robot's base: a work object
-    tool_points: tuple[NestCentre, ...]  # in the controller's last frame
+    tool_points: tuple[NestCentre, ...]  # in the controller's flange frame
     tool_frame: FramePlacement | None  # nest 1, x to nest 2, nest 3 in the plane of x and y
     nominal: ZoneError  # against the full model: the nominal robot, base and unknown nests fitted
     controller: ZoneError  # against the full model: with these values

@@ -48,7 +48,7 @@ class Corrections(Table):
     uncertainty_rad : ndarray, shape (n,)
         Of the turn, of the parameters alone.
     outside_mm : ndarray, shape (n,)
-        How far the last frame is outside the measured zone; NaN: nobody said where that is.
+        How far the flange frame is outside the measured zone; NaN: nobody said where that is.
     outside_rad : ndarray, shape (n, J)
         How far each joint is outside its measured range.
     moved_rad : ndarray, shape (n,)
@@ -65,7 +65,7 @@ class Corrections(Table):
     error_rad: FloatArray  # (n,)
     uncertainty_mm: FloatArray  # (n,) standard, per axis, of where the tool really goes
     uncertainty_rad: FloatArray  # (n,) of the parameters alone
-    outside_mm: FloatArray  # (n,) how far the last frame is outside the measured zone; NaN: nobody said
+    outside_mm: FloatArray  # (n,) how far the flange frame is outside the measured zone; NaN: nobody said
     outside_rad: FloatArray  # (n, J) how far each joint is outside its measured range
     moved_rad: FloatArray  # (n,) largest change of a joint from the controller's own answer; NaN: it has none
     beyond_limit_rad: (

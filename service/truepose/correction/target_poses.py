@@ -11,13 +11,13 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import brought_within
 
-FLANGE: Final = 0  # number of the "nest" that is the origin of the last frame
+FLANGE: Final = 0  # number of the "nest" that is the origin of the flange frame
 _ORTHONORMAL: Final = 1e-6  # what a turn of 1 urad changes
 
 
 @dataclass(frozen=True, slots=True)
 class Goals(Table):
-    """Wanted poses of the last frame in the world; of the position, that of one of its nests; n rows.
+    """Wanted poses of the flange frame in the world; of the position, that of one of its nests; n rows.
 
     Attributes
     ----------
@@ -25,14 +25,14 @@ class Goals(Table):
         `joints_rad` are the angles that the search starts from, NaN where none are known; direction of
         approach, time, temperature and mounting are those at which the target will be reached.
     nest : ndarray of int, shape (n,)
-        From 1, whose position it is; FLANGE for the origin of the last frame.
+        From 1, whose position it is; FLANGE for the origin of the flange frame.
     position_mm : ndarray, shape (n, 3)
     rotation : ndarray, shape (n, 3, 3)
-        Of the last frame.
+        Of the flange frame.
     """
 
     stops: Stops
-    nest: IntArray  # (n,) from 1, whose position it is; FLANGE for the origin of the last frame
+    nest: IntArray  # (n,) from 1, whose position it is; FLANGE for the origin of the flange frame
     position_mm: FloatArray  # (n, 3)
     rotation: FloatArray  # (n, 3, 3)
 
@@ -50,7 +50,7 @@ class Goals(Table):
 
 
 def of_poses(pose: FloatArray, joints: int) -> Goals:
-    """Return goals of the last frame of which nothing else is known.
+    """Return goals of the flange frame of which nothing else is known.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class TrueReadings:
 
     calibration_mm: FloatArray  # (n, 3) world frame
     validation_mm: FloatArray  # (m, 3) world frame
-    tool_nests_mm: FloatArray  # (nests, 3) last frame
+    tool_nests_mm: FloatArray  # (nests, 3) flange frame
     calibration_quaternion: FloatArray | None = None  # (n, 4) w first, world frame; None: no poses are read
     judged: PointReadings | None = None  # m rows that the validation is of; None: those of the campaign
 
@@ -60,7 +60,7 @@ class CellEndpoint:
         return np.array((await self.ask("positions", **request))["positions_mm"], dtype=np.float64)
 
     async def tool_nests_mm(self) -> FloatArray:
-        """Return where the tool nests truly are, shape (nests, 3), last frame."""
+        """Return where the tool nests truly are, shape (nests, 3), flange frame."""
         return np.array((await self.ask("plant"))["tool_nests_mm"], dtype=np.float64)
 
     async def ask(self, operation: str, **request: Any) -> dict[str, Any]:
@@ -93,7 +93,7 @@ async def cell_endpoint(host: str, port: int) -> AsyncIterator[CellEndpoint]:
 
 @dataclass(frozen=True, slots=True)
 class ShownArtefact:
-    """The camera, and the artefact's centre in the last frame as the cell file has it."""
+    """The camera, and the artefact's centre in the flange frame as the cell file has it."""
 
     camera: Camera
     centre_mm: FloatArray  # (3,)

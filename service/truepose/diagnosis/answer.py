@@ -2,7 +2,7 @@
 
 Which findings are kept was decided before, within the calibration (`confidence.standing`). The validation
 readings are used here for the first time, and once (decision 0031). They give the figures and the confidence.
-They may withhold a description; where they contradict all findings, the model given out is the start model.
+They may withhold a description; where they contradict all findings, the model given out is the initial model.
 """
 
 from collections.abc import Callable

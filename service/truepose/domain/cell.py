@@ -212,7 +212,7 @@ class Camera:
     nest: int  # 1-based: the artefact's centre, where poses are told
     position_u_mm: float  # of a reading, per axis
     rotation_u_rad: float
-    artefact_rotation_u_rad: float  # of the artefact's definition in the last frame
+    artefact_rotation_u_rad: float  # of the artefact's definition in the flange frame
     upright: bool = False  # a laser tracker's frame: z is up, and x points to what lies below `looks_at_mm`
 
 
@@ -244,7 +244,7 @@ class Cell:
     robot: Robot
     robot_serial_number: str = ""
     base_nominal: FramePlacement = field(default_factory=FramePlacement)  # in the world
-    nests: tuple[Nest, ...] = ()  # tool nests, last frame
+    nests: tuple[Nest, ...] = ()  # tool nests, flange frame
     tool: Artefact | None = None
     fixed_nests: tuple[FixedNest, ...] = ()  # world frame
     fixed_nests_seen_mm: tuple[Vector, ...] | None = (

@@ -49,7 +49,7 @@ class CorrectionTotals:
     far_moved: int  # corrected ones at which a joint turns far from the controller's own answer
     largest_move_rad: float
     outside: int  # corrected ones outside the measured zone
-    farthest_outside_mm: float  # of the last frame
+    farthest_outside_mm: float  # of the flange frame
     farthest_outside_rad: float  # of a joint
     zone_known: bool
 
@@ -74,7 +74,7 @@ class CorrectedTargets:
     lines : ndarray of int, shape (n,)
         Where they stand, from 1.
     place_mm : ndarray, shape (n, 3)
-        Meant for the origin of the last frame, in the robot's base.
+        Meant for the origin of the flange frame, in the robot's base.
     shift_mm : ndarray, shape (n, 3)
         From there to where the controller believes to go; NaN: not corrected.
     uncertainty_mm : ndarray, shape (n,)
@@ -88,7 +88,7 @@ class CorrectedTargets:
     names: tuple[str, ...]  # (n,)
     statuses: tuple[str, ...]  # (n,)
     lines: IntArray  # (n,) where they stand, from 1
-    place_mm: FloatArray  # (n, 3) meant for the origin of the last frame, in the robot's base
+    place_mm: FloatArray  # (n, 3) meant for the origin of the flange frame, in the robot's base
     shift_mm: FloatArray  # (n, 3) from there to where the controller believes to go; NaN: not corrected
     uncertainty_mm: FloatArray  # (n,) standard, per axis, of where the tool really goes
     outside_mm: FloatArray  # (n,) how far outside the measured zone; NaN: nobody said

@@ -158,7 +158,7 @@ class WorstPoint:
     """The held-out point at which the extended model is farthest off."""
 
     config: int
-    before_mm: float  # norm of its error with the start model
+    before_mm: float  # norm of its error with the initial model
     after_mm: float
 
 
@@ -226,7 +226,7 @@ class HeldOutErrors:
     position_mm : ndarray, shape (n, 3)
         As measured; of legs the predicted point.
     before_mm, after_mm : ndarray, shape (n, d)
-        With the start model and the extended one; d = 3, or 1 for legs.
+        With the initial model and the extended one; d = 3, or 1 for legs.
     """
 
     config: IntArray  # (n,)

@@ -117,7 +117,7 @@ class Outlier:
 
 @dataclass(frozen=True, slots=True)
 class NestCentre:
-    """A tool nest as the model holds it [mm, last frame]."""
+    """A tool nest as the model holds it [mm, flange frame]."""
 
     nest: int
     centre_mm: tuple[float, float, float]
@@ -140,12 +140,12 @@ class MeasuredZone:
     ----------
     joint_ranges : tuple of JointRange
     extents_mm : tuple of float
-        Of the last frame's origin in the robot's base, along `zone.DIRECTIONS`: 26 faces, of a size that is
+        Of the flange frame's origin in the robot's base, along `zone.DIRECTIONS`: 26 faces, of a size that is
         the same for every model, where a hull would need all points (docs/decisions/0039).
     """
 
     joint_ranges: tuple[JointRange, ...]
-    extents_mm: tuple[float, ...]  # of the last frame's origin in the robot's base, along `zone.DIRECTIONS`
+    extents_mm: tuple[float, ...]  # of the flange frame's origin in the robot's base, along `zone.DIRECTIONS`
 
 
 @dataclass(frozen=True, slots=True)

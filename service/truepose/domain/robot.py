@@ -37,7 +37,7 @@ class JointRow:
 
 @dataclass(frozen=True, slots=True)
 class LinkMass:
-    """A mass fixed in the frame of one joint (1-based); the last frame carries the tool.
+    """A mass fixed in the frame of one joint (1-based); the flange frame carries the tool.
 
     Attributes
     ----------

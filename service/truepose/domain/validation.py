@@ -67,11 +67,11 @@ class BranchErrors:
 class ErrorsByPlace:
     """Where errors are large; shells and branches without a reading are left out."""
 
-    zone_centre_mm: tuple[float, float, float]  # world: of the last frame's places
+    zone_centre_mm: tuple[float, float, float]  # world: of the flange frame's places
     zone_radius_mm: float  # no place of the zone is farther from its middle
     zone_stated: bool  # by the model; else it is that of the readings that judge
-    from_zone: tuple[DistanceBin, ...]  # distance of the last frame from the middle of the zone
-    from_axis: tuple[DistanceBin, ...]  # distance of the last frame from the line of axis 1
+    from_zone: tuple[DistanceBin, ...]  # distance of the flange frame from the middle of the zone
+    from_axis: tuple[DistanceBin, ...]  # distance of the flange frame from the line of axis 1
     branches: tuple[BranchErrors, ...]
 
 

@@ -32,7 +32,7 @@ class PortKind(StrEnum):
     BETA = "beta"
     THETA = "theta"
     D = "d"
-    NEST = "nest"  # 3 * (nest - 1) + component [mm, last frame]
+    NEST = "nest"  # 3 * (nest - 1) + component [mm, flange frame]
     TOOL_ROTATION = "tool_rotation"  # 0..2: RotX RotY RotZ [rad] of the tool before its start rotation
     SCALE = "scale"  # lengths as the instrument sees them, about its own place [1]
     # 6 * body + component [mm, rad]: body 0 is the base, 1..J the link that joint turns, J carries the tool;
@@ -133,7 +133,7 @@ class Setting(NamedTuple):
     lengths : bool
         Whether lengths were read instead of positions.
     tool_rotation_u_rad : float or None
-        Certified: measured orientations are of the last frame to this, per axis.
+        Certified: measured orientations are of the flange frame to this, per axis.
     gravity_m_s2 : tuple of float, length 3
         In the frame of the robot's base.
     """
@@ -147,7 +147,7 @@ class Setting(NamedTuple):
     attachments: tuple[int, ...] = ()  # numbers of the tool's mountings
     initialisations: tuple[int, ...] = ()  # numbers of the ballbar's
     lengths: bool = False  # lengths were read instead of positions
-    tool_rotation_u_rad: float | None = None  # certified: measured orientations are of the last frame to this
+    tool_rotation_u_rad: float | None = None  # certified: of measured orientations, to the flange frame
     gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # in the robot's base
 
 
@@ -169,7 +169,7 @@ class Rows(NamedTuple):
     placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
     length_mm: FloatArray | None = None  # (n,) nominal length of each leg
     instrument_mm: FloatArray | None = None  # (3,) the instrument's place in the world; None: unknown
-    nests_mm: FloatArray | None = None  # (K, 3) in the last frame; None: unknown
+    nests_mm: FloatArray | None = None  # (K, 3) in the flange frame; None: unknown
     fixed_mm: FloatArray | None = None  # (n, 3) world: what is looked at, where it is not the tool
 
     @property

@@ -251,12 +251,12 @@ def toml_document(file: str, data: bytes) -> Node:
     try:
         text = data.decode("utf-8-sig")
         if _DEEP_NAME.search(text):
-            raise UnreadableFileError("this is not TOML: nested too deep", file=file)
+            raise UnreadableFileError("this is not TOML: nested too deeply", file=file)
         value = tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
     except RecursionError as error:
-        raise UnreadableFileError("this is not TOML: nested too deep", file=file) from error
+        raise UnreadableFileError("this is not TOML: nested too deeply", file=file) from error
     except ValueError as error:  # also of a number of thousands of digits
         raise UnreadableFileError(f"this is not TOML: {error}", file=file) from error
     # tomllib keeps no places: errors in TOML name the key and no line.

@@ -41,7 +41,7 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
         ) from error
     except RecursionError as error:
         raise UnreadableFileError(
-            "this is not a usable JSON document (nested too deep)", file=file
+            "this is not a usable JSON document (nested too deeply)", file=file
         ) from error
     except ValueError as error:
         raise UnreadableFileError(f"this is not a usable JSON document ({error})", file=file) from error

@@ -5,7 +5,7 @@ With `R_0, o_0` the placed base, joint i = 1..J does (Craig's convention; beta a
     R_i = R_(i-1) RotX(alpha_i) RotY(beta_i) RotZ(theta_i)
     o_i = o_(i-1) + a_i x_(i-1) + d_i z_i
 
-so that a small change of one quantity is a screw, and a point p fixed to the last frame moves by
+so that a small change of one quantity is a screw, and a point p fixed to the flange frame moves by
 
     alpha_i : x_(i-1) x (p - o_(i-1))      a_i : x_(i-1)
     beta_i  : y_m x (p - o_m)              d_i : z_i
@@ -77,7 +77,7 @@ class Chain:
     base_origin : ndarray, shape (n, 3)
         [mm], before the motion of body 0.
     end_rotation : ndarray, shape (n, 3, 3)
-        Of the last frame where the tool is, after the motion of body J.
+        Of the flange frame where the tool is, after the motion of body J.
     end_origin : ndarray, shape (n, 3)
         [mm]
     """
@@ -89,7 +89,7 @@ class Chain:
     origin: FloatArray  # (J, n, 3) of frame i [mm]
     base_rotation: FloatArray  # (n, 3, 3)
     base_origin: FloatArray  # (n, 3) [mm]
-    end_rotation: FloatArray  # (n, 3, 3) of the last frame where the tool is, after the motion of body J
+    end_rotation: FloatArray  # (n, 3, 3) of the flange frame where the tool is, after the motion of body J
     end_origin: FloatArray  # (n, 3) [mm]
 
     @property
@@ -133,7 +133,7 @@ class Chain:
         )  # beta is the angle that z leans by
 
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
-        """Return points of the last frame in the world.
+        """Return points of the flange frame in the world.
 
         Parameters
         ----------
@@ -150,7 +150,7 @@ class Chain:
         return placed
 
     def places(self, in_last_frame_mm: FloatArray) -> FloatArray:
-        """Return m points of the last frame in the world, each in every configuration.
+        """Return m points of the flange frame in the world, each in every configuration.
 
         Parameters
         ----------
@@ -378,7 +378,7 @@ def theta_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:
     ----------
     chain : Chain
     points_mm : ndarray, shape (n, 3)
-        In the world; fixed to the last frame.
+        In the world; fixed to the flange frame.
 
     Returns
     -------

@@ -29,7 +29,7 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     chain : Chain
         n configurations, J joints.
     masses : tuple of LinkMass
-        Frames 1..J; those of the last frame are the tool's.
+        Frames 1..J; those of the flange frame are the tool's.
     gravity_m_s2 : ndarray, shape (3,)
         In the world frame [m/s2]; kg m/s2 times mm is N mm.
 

@@ -63,7 +63,7 @@ def searched_branches(robot: Robot, pose: FloatArray) -> FloatArray:
     robot : Robot
         With J joints.
     pose : ndarray, shape (n, 4, 4)
-        Of the last frame in the robot's base [mm].
+        Of the flange frame in the robot's base [mm].
 
     Returns
     -------
@@ -205,7 +205,7 @@ def _form_of(robot: Robot) -> _Form | None:
 
 
 def all_branches(robot: Robot, pose: FloatArray, *, reach_out: bool = False) -> FloatArray:
-    """Return the joint angles of every branch that reaches a pose of the last frame.
+    """Return the joint angles of every branch that reaches a pose of the flange frame.
 
     Parameters
     ----------
@@ -375,7 +375,7 @@ def _wanted(robot: Robot, pose: FloatArray) -> Poses:
     """Return what n poses ask of the joints, in the frame that joint 1 turns.
 
     Row 1 is RotX(alpha_1) TransX(a_1) RotZ(theta_1) TransZ(d_1): its alpha, a and d are taken off here, so
-    that the forms begin with theta_1. The wrist is d_6 behind the origin of the last frame along axis 6.
+    that the forms begin with theta_1. The wrist is d_6 behind the origin of the flange frame along axis 6.
     """
     first = robot.joints[0]
     before_1 = rotation_x(first.alpha_rad)

@@ -4,7 +4,7 @@ With row 1 taken off and `w` the point where axes 5 and 6 meet, in front of join
 
     theta_1 : the coordinate of w along axes 2 to 4 is a constant:  y cos - x sin = m
     theta_5 : the angle between axis 6 and axis 4; its sign is the branch of the wrist
-    theta_6 : where axis 4 points, seen in the last frame
+    theta_6 : where axis 4 points, seen in the flange frame
     theta_3 : the triangle from axis 2 to axis 4, which lies d_5 behind w along axis 5
     theta_2 : turns the closed triangle onto axis 4
     theta_4 : what is left to axis 5
@@ -45,7 +45,7 @@ from truepose.kinematics.inverse_parts import (
 
 
 class _Last(NamedTuple):
-    """Axes of the last frame behind joint 1."""
+    """Axes of the flange frame behind joint 1."""
 
     x: Vector
     y: Vector
@@ -132,7 +132,7 @@ def _angle_5(robot: Robot, z_axis: Vector, side: FloatArray) -> FloatArray:
 
 
 def _angle_6(robot: Robot, last: _Last, side: FloatArray) -> FloatArray:
-    """Direction of axis 4 in the plane of x and y of the last frame, with the branch's sign."""
+    """Direction of axis 4 in the plane of x and y of the flange frame, with the branch's sign."""
     way = float(np.sin(robot.joints[4].alpha_rad)) * side
     x, y = (_along_axis_4(robot, axis) for axis in last)
     return np.arctan2(-way * y, way * x)
@@ -169,7 +169,7 @@ def _in_plane(robot: Robot, vector: Vector, beyond_mm: float) -> tuple[FloatArra
 
 
 def _axis_5(robot: Robot, last: _Last, theta_6: FloatArray) -> Vector:
-    """Return axis 5 behind joint 1: s_6 (sin(theta_6) x + cos(theta_6) y) of the last frame."""
+    """Return axis 5 behind joint 1: s_6 (sin(theta_6) x + cos(theta_6) y) of the flange frame."""
     s_6, sine, cosine = float(np.sin(robot.joints[5].alpha_rad)), np.sin(theta_6), np.cos(theta_6)
     x, y, z = (s_6 * (sine * one + cosine * other) for one, other in zip(*last, strict=True))
     return x, y, z

@@ -29,7 +29,7 @@ class Branches(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """Poses of the last frame in front of joint 1, row 1 of the table taken off."""
+    """Poses of the flange frame in front of joint 1, row 1 of the table taken off."""
 
     x_axis: FloatArray  # (3, n)
     z_axis: FloatArray  # (3, n)

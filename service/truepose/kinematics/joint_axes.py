@@ -58,7 +58,7 @@ class JointAxis:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The table of some axes, and where its first and last frames are while all joints read zero.
+    """The table of some axes, and where its first and flange frames are while all joints read zero.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def table_of(axes: Sequence[JointAxis], base: FloatArray, tip: FloatArray) -> Ta
     -------
     Table
         Its forward kinematics is that of the axes, to rounding, at any tilt. Whoever needs the tip itself
-        keeps its motion from the last frame beside the table.
+        keeps its motion from the flange frame beside the table.
     """
     first = _on_axis(axes[0], base)
     frames = _frames(axes, first, tip)

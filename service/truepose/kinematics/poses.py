@@ -1,4 +1,4 @@
-r"""Poses of the last frame from the places of nests, how far two are apart, how well one is known.
+r"""Poses of the flange frame from the places of nests, how far two are apart, how well one is known.
 
 An artefact whose pose is read: where its nests have their centre, and how exactly a pose is known there.
 Nests whose coordinates err by sigma each, all alike, give a rigid body the errors
@@ -22,9 +22,9 @@ from truepose.kinematics.frames import cross_matrix, rigid_alignment
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Pose:
-    """Where the last frame of the arm is, in the frame in which the cups are given.
+    """Where the flange frame of the arm is, in the frame in which the cups are given.
 
-    A point x of the last frame is at R x + o there.
+    A point x of the flange frame is at R x + o there.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Pose:
         return matrix
 
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
-        """Return points of the last frame in the frame of the cups.
+        """Return points of the flange frame in the frame of the cups.
 
         Parameters
         ----------
@@ -59,12 +59,12 @@ class Pose:
 
 
 def pose_of(nests_mm: FloatArray, points_mm: FloatArray) -> Pose:
-    """Return the pose that brings the nests of the last frame onto points, by least squares.
+    """Return the pose that brings the nests of the flange frame onto points, by least squares.
 
     Parameters
     ----------
     nests_mm : ndarray, shape (3, 3)
-        In the last frame, one in each row.
+        In the flange frame, one in each row.
     points_mm : ndarray, shape (3, 3)
         Where they are, in the frame of the cups.
     """
@@ -80,7 +80,7 @@ def pose_covariance(pose: Pose, nests_mm: FloatArray, points_covariance_mm2: Flo
     ----------
     pose : Pose
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
     points_covariance_mm2 : ndarray, shape (9, 9)
         As from `cascade.points_covariance`.
 
@@ -116,7 +116,7 @@ def points_gradient(pose: Pose, in_last_frame_mm: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray, shape (n, 3, 6)
-        mm per mm of a shift, then mm per rad of a turn about the origin of the last frame, along the axes of
+        mm per mm of a shift, then mm per rad of a turn about the flange's origin, along the axes of
         the cups' frame.
     """
     arms = in_last_frame_mm @ pose.rotation.T
@@ -208,7 +208,7 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
 
 
 def normal(nests_mm: FloatArray) -> FloatArray:
-    """Return the normal of the plane that lies nearest to the nests, away from the last frame's origin.
+    """Return the normal of the plane that lies nearest to the nests, away from the flange frame's origin.
 
     Of the singular vectors of the nests about their centre the one of the smallest singular value: all nests
     count alike, in whatever order they are numbered.
@@ -216,7 +216,7 @@ def normal(nests_mm: FloatArray) -> FloatArray:
     Parameters
     ----------
     nests_mm : ndarray, shape (K, 3)
-        K >= 3, not on a line. In the last frame.
+        K >= 3, not on a line. In the flange frame.
 
     Returns
     -------

@@ -127,7 +127,7 @@ def correct(
     ----------
     model : Model or path
     targets : table or path
-        n rows of `x_mm, y_mm, z_mm, qw, qx, qy, qz`: position and orientation of the last frame, or with a
+        n rows of `x_mm, y_mm, z_mm, qw, qx, qy, qz`: position and orientation of the flange frame, or with a
         `nest` the position of that nest. Optional: `target` (a name), `branch` (`front/up/no flip`), joint
         angles near which the answer shall be (`q1_deg`.. or `joints_deg`), `dir1`.., `temperature_C`. Or
         joint angles alone: what the controller itself would be sent to.

@@ -31,7 +31,7 @@ def arm_pieces(
     base : FramePlacement
         In the world.
     nests_mm : (K, 3) array
-        In the last frame [mm].
+        In the flange frame [mm].
     joints_rad : (n, J) array
 
     Returns

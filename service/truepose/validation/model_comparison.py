@@ -1,7 +1,7 @@
 """Models of one robot against each other: how far from the nominal one, and what has changed between two.
 
 *Largest shift* from where the nominal robot has the tool, at the worst place of a work space. Points are the
-tool nests and the origin of the last frame. The nominal robot stands where it was fitted, and may be
+tool nests and the origin of the flange frame. The nominal robot stands where it was fitted, and may be
 registered once more by a rigid motion within the base's own prior (10 mm, 0.05 rad): where a robot stands is
 no error of its model. A motion beyond that is none of a registration, and counts whole.
 
@@ -41,7 +41,7 @@ from truepose.identification.verdict.relative_accuracy import aligned_errors, re
 from truepose.kinematics.frames import placement_translation, rigid_alignment
 
 FAR_WIDTHS: Final = 10.0  # of a prior: measured arms have values up to 3 widths from their expectation
-FLANGE: Final = 0  # number of the "nest" that is the origin of the last frame
+FLANGE: Final = 0  # number of the "nest" that is the origin of the flange frame
 _DRAWN: Final = 1000
 _MOST_CORNERS: Final = 128
 _WORST, _ABOUT, _ROUNDS = 8, 32, 6
@@ -53,7 +53,7 @@ class LargestShift:
 
     shift_mm: float
     joints_rad: tuple[float, ...]
-    nest: int  # FLANGE for the origin of the last frame
+    nest: int  # FLANGE for the origin of the flange frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +179,7 @@ class _Shifts:
         Returns
         -------
         ndarray, shape (n, points)
-            [mm]; the origin of the last frame is the last point.
+            [mm]; the origin of the flange frame is the last point.
         """
         identified, nominal = self._places(joints_rad)
         apart = identified - (nominal @ self._rotation.T + self._translation)
@@ -211,7 +211,7 @@ def _registers(rotation: FloatArray, translation_mm: FloatArray, base_mm: FloatA
 
 
 def _with_flange(estimate: Estimate) -> Estimate:
-    """Return an estimate with one more nest, in the origin of the last frame."""
+    """Return an estimate with one more nest, in the origin of the flange frame."""
     nests = np.vstack([estimate.structure.nests_mm, np.zeros(3)])
     return replace(estimate, structure=replace(estimate.structure, nests_mm=nests))
 

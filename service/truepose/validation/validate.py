@@ -43,7 +43,7 @@ _SHELLS: Final = 8  # at most
 
 
 def errors_by_place(model: Model, judged: Assessment) -> ErrorsByPlace:
-    """Return the errors before and after by place of the last frame and by posture of the arm.
+    """Return the errors before and after by place of the flange frame and by posture of the arm.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def errors_by_place(model: Model, judged: Assessment) -> ErrorsByPlace:
 
 
 def _of_readings(chain: Chain) -> tuple[FloatArray, float]:
-    """Return the middle of the last frames (3,), and how far the farthest is from it [mm]."""
+    """Return the middle of the flange frames (3,), and how far the farthest is from it [mm]."""
     centre = chain.end_origin.mean(axis=0)
     return centre, float(np.linalg.norm(chain.end_origin - centre, axis=1).max())
 
@@ -87,7 +87,7 @@ def _of_zone(zone: MeasuredZone, chain: Chain) -> tuple[FloatArray, float]:
 
 
 def distance_from_axis_1(chain: Chain) -> FloatArray:
-    """Return how far each last frame lies from the line of axis 1.
+    """Return how far each flange frame lies from the line of axis 1.
 
     Parameters
     ----------

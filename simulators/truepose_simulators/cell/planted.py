@@ -65,7 +65,7 @@ class PlantedEffects:
         return [change for effect in self._masses for change in effect.mass_changes(conditions)]
 
     def nest_offsets_mm(self, conditions: Conditions) -> FloatArray:
-        """Where tool nests are besides their certificate, last frame, shape (n, nests, 3) or broadcasting."""
+        """Where tool nests are besides their certificate, flange frame, (n, nests, 3) or broadcasting."""
         return sum((effect.nest_offsets_mm(conditions) for effect in self._nests), start=np.zeros((1, 1, 3)))
 
     def frame_motion(self, time_s: FloatArray) -> FloatArray:

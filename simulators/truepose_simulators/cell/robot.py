@@ -158,5 +158,5 @@ def nominal_bodies(arm: Arm, joints_rad: FloatArray) -> Bodies:
 
 
 def nominal_flange(arm: Arm, joints_rad: FloatArray) -> FloatArray:
-    """Last frame of the arm as its maker means it to be, (n, J) -> (n, 4, 4)."""
+    """Flange frame of the arm as its maker means it to be, (n, J) -> (n, 4, 4)."""
     return nominal_bodies(arm, joints_rad).last_frame

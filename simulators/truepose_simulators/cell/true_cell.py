@@ -77,7 +77,7 @@ class Cell:
         self.ballbar, self.fixture = self.hands.ballbar, self.hands.fixture
         self.loop = () if scenario.loop is None else self._loop(scenario.loop, of_loop)
         facing = np.array(scenario.tool.facing)
-        self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
+        self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) flange frame
         for fault in scenario.faults:
             self.add_fault(fault)
         # Springs so soft that the arm folds are refused here, not in front of a client.
@@ -203,7 +203,7 @@ class Cell:
         return find_rest(self.plant, self.planted.arm, conditions, self.planted.mass_changes(conditions))
 
     def true_nests_mm(self, conditions: Conditions) -> FloatArray:
-        """Tool nests where they truly are, last frame, shape (1 or n, nests, 3)."""
+        """Tool nests where they truly are, flange frame, shape (1 or n, nests, 3)."""
         places: FloatArray = self.tool_nests_mm + self.planted.nest_offsets_mm(conditions)
         if not self.faults.moves_frames:
             return places

@@ -127,7 +127,7 @@ class FixedNestMoved(Lasting):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToolSlips(Lasting):
-    """The tool sits elsewhere on the flange by this (last frame)."""
+    """The tool sits elsewhere on the flange by this (flange frame)."""
 
     by_mm: Vector
 

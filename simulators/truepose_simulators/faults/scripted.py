@@ -173,7 +173,7 @@ class Faults:
         return _sum(fault.by_mm for fault, _ in self.holding(FixedNestMoved, time_s) if fault.nest == nest)
 
     def tool_shift_mm(self, time_s: float) -> Vector:
-        """By how much the tool has slipped [mm, last frame]."""
+        """By how much the tool has slipped [mm, flange frame]."""
         return _sum(fault.by_mm for fault, _ in self.holding(ToolSlips, time_s))
 
     def warming_k(self, time_s: float) -> float:

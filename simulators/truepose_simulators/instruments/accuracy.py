@@ -44,7 +44,7 @@ class ProbeSetup:
     """A probe of six degrees of freedom on the flange, in the frame of the tool's nests."""
 
     rotation_rad: float = 6e-5  # noise of one reading about each axis
-    facing: Vector = (0.0, 0.0, 1.0)  # last frame
+    facing: Vector = (0.0, 0.0, 1.0)  # flange frame
     acceptance_deg: float = 180.0  # between facing and line of sight; 180: lamps on all sides
     reach_mm: float = 9000.0  # of the camera on the tracker
 

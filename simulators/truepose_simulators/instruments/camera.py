@@ -50,7 +50,7 @@ class Camera:
         self.setup = setup
         self.frame = _place(setup, rng)  # (4, 4) in the world
         self._cell = cell
-        # (nests, 3) of the artefact by its definition, last frame
+        # (nests, 3) of the artefact by its definition, flange frame
         self.defined_mm = nests_mm + setup.artefact_mm / _KEPT * rng.standard_normal(nests_mm.shape)
 
     def see(self, frame: int) -> PoseSeen | None:

@@ -62,7 +62,7 @@ class Arm:
     model: str  # as the controller states it
     joints: tuple[JointAxis, ...]
     masses: tuple[CarriedMass, ...]  # without tool
-    flange_mm: Vector  # origin of the last frame, zero configuration
+    flange_mm: Vector  # origin of the flange frame, zero configuration
     flange_x: Vector
     flange_z: Vector
     typical_compliance_rad_per_n_mm: tuple[float, ...]
@@ -86,7 +86,7 @@ class Arm:
 
     @cached_property
     def flange(self) -> FloatArray:
-        """The last frame at the zero configuration, shape (4, 4)."""
+        """The flange frame at the zero configuration, shape (4, 4)."""
         return _frame(self.flange_mm, self.flange_x, self.flange_z)
 
     def parallel_to_previous(self, joint: int) -> bool:
@@ -143,7 +143,7 @@ def link_motions(arm: Arm, motions: FloatArray) -> FloatArray:
     arm : Arm
     motions : ndarray, shape (..., J+2, 6)
         `[tx ty tz rx ry rz]` [mm, rad] of the base (world frame), of every link (in the seat of its
-        joint) and of the tool (in the last frame).
+        joint) and of the tool (in the flange frame).
 
     Returns
     -------

@@ -63,7 +63,7 @@ class Contact(Protocol):
     """What a reading is taken against."""
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
-        """Return true readings, shape (n, c), of n placements (n, 4, 4) of the last frame.
+        """Return true readings, shape (n, c), of n placements (n, 4, 4) of the flange frame.
 
         `nest_mm` (n, 3) is the nest in it; c is 1, or 3 of a sensor with three axes.
         """
@@ -101,7 +101,7 @@ class BallAtSensor:
     """A ball that three axes of a sensor look at, which sits in the nest."""
 
     centre_mm: FloatArray  # (3,) world
-    sensor: FloatArray  # (3, 3) its axes in the last frame, in columns
+    sensor: FloatArray  # (3, 3) its axes in the flange frame, in columns
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
         """Return where the ball is for the sensor, shape (n, 3)."""
@@ -114,7 +114,7 @@ class PlaneAtSensor:
     """A plane that a sensor in the nest looks at, along the z axis of the sensor."""
 
     frame: FloatArray  # (4, 4) of the plane in the world
-    sensor: FloatArray  # (3, 3) its axes in the last frame, in columns
+    sensor: FloatArray  # (3, 3) its axes in the flange frame, in columns
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
         """Return where the beam meets the plane, from the nest on, shape (n, 1); along it: infinite."""

@@ -58,9 +58,9 @@ def identified_links(rows: Sequence[TableRow], stated: Sequence[IdentifiedEffect
 
 
 def placed_nests(start_mm: FloatArray, stated: IdentifiedEffect) -> FloatArray:
-    """Nests in the last frame, shape (m, 3), from their start and `nest_<nest>_x`.. [mm].
+    """Nests in the flange frame, shape (m, 3), from their start and `nest_<nest>_x`.. [mm].
 
-    `tool_rx`.. say how a measured orientation lies in the last frame; they move no nest.
+    `tool_rx`.. say how a measured orientation lies in the flange frame; they move no nest.
     """
     nests = start_mm.copy()
     form = "nest_<nest>_x, _y, _z, tool_rx, _ry, _rz"
@@ -84,7 +84,7 @@ class IdentifiedModel:
     table: ArmTable
     gravity_m_s2: Vector  # world
     base: FloatArray  # (4, 4) where the identification started
-    nests_mm: FloatArray  # (m, 3) likewise, last frame
+    nests_mm: FloatArray  # (m, 3) likewise, flange frame
     instrument_mm: Vector | None  # world; None: not stated
     parameters: Mapping[str, Mapping[str, float]]  # by effect and name
     origin_s: float  # time of the campaign from which the effects' times count
@@ -98,7 +98,7 @@ class IdentifiedRobot:
 
     plant: Plant
     effects: tuple[Effect, ...]
-    nests_mm: FloatArray  # (m, 3) last frame
+    nests_mm: FloatArray  # (m, 3) flange frame
 
 
 def realise(model: IdentifiedModel) -> IdentifiedRobot:

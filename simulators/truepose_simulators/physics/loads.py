@@ -18,7 +18,7 @@ class MassChange:
 
     joint: int  # 1-based, that carries it
     mass_kg: FloatArray  # (n,)
-    centre_mm: Vector | FloatArray  # zero configuration, base frame; of the tool: last frame
+    centre_mm: Vector | FloatArray  # zero configuration, base frame; of the tool: flange frame
     on_tool: bool = False
 
 
@@ -50,7 +50,7 @@ def place_masses(
     masses : iterable of CarriedMass
         Of the arm, places in the zero configuration.
     tool : CarriedMass or None
-        Its place is stated in the last frame.
+        Its place is stated in the flange frame.
     changes : iterable of MassChange
         What truly differs from that.
     """

@@ -113,7 +113,7 @@ class Rest:
     bodies: Bodies
 
     def nest_positions(self, nests_mm: FloatArray) -> FloatArray:
-        """Positions of points of the last frame [mm, world]: shape (m, 3) or (n, m, 3) -> (n, m, 3)."""
+        """Positions of points of the flange frame [mm, world]: shape (m, 3) or (n, m, 3) -> (n, m, 3)."""
         return move(self.bodies.last_frame[:, np.newaxis], nests_mm)
 
 

@@ -165,7 +165,7 @@ def _parse(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name} cannot be read: {error}") from error
     except RecursionError as error:
-        raise ScenarioError(f"{path.name} is not TOML: nested too deep") from error
+        raise ScenarioError(f"{path.name} is not TOML: nested too deeply") from error
     except ValueError as error:  # also of a number of thousands of digits
         raise ScenarioError(f"{path.name} is not TOML: {error}") from error
 

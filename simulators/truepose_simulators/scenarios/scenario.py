@@ -39,7 +39,7 @@ class ConfiguredLink:
 
 @dataclass(frozen=True, slots=True)
 class ToolSetup:
-    """The artefact on the flange: three nests and their reflectors, last frame."""
+    """The artefact on the flange: three nests and their reflectors, flange frame."""
 
     nests_mm: tuple[Vector, ...] = ((0.0, 0.0, 125.0), (75.0, 93.675, 215.0), (150.0, 0.0, 125.0))
     facing: tuple[Vector, ...] = ((-0.80, -0.45, 0.40), (-0.20, 0.70, 0.70), (0.85, -0.40, 0.35))

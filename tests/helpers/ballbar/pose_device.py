@@ -4,7 +4,7 @@ import numpy as np
 
 from truepose.kinematics.pose_device import assemblies, base_triangle, fourth_cup, measurable
 
-# Tool nests in the last frame: thesis section 2.2.1 and Annex I; nest 1 on axis 6.
+# Tool nests in the flange frame: thesis section 2.2.1 and Annex I; nest 1 on axis 6.
 NESTS = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])
 CUPS = base_triangle(300.0, 300.0, 300.0)
 FOUR_CUPS = np.vstack([CUPS, fourth_cup(CUPS, 300.0, 300.0, 300.0)])

@@ -32,7 +32,7 @@ class Line:
 
 
 class SoftFlange:
-    """The tool tilts about axes of the last frame by the moment of its weight about the flange."""
+    """The tool tilts about axes of the flange frame by the moment of its weight about the flange."""
 
     def __init__(self, *compliance_rad_per_n_mm):
         self._compliance = np.array([*compliance_rad_per_n_mm, 0.0])

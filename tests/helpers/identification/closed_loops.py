@@ -16,7 +16,7 @@ NOISE_MM = 0.002
 PLACES = np.array([[420.0, 180.0, 250.0], [300.0, -310.0, 340.0], [150.0, 420.0, 500.0]])
 NORMALS = np.array([[0.02, -0.01, 1.0], [1.0, 0.05, 0.03], [-0.04, 1.0, 0.02]])
 NORMALS /= np.linalg.norm(NORMALS, axis=1)[:, None]
-SENSOR = rotation_xyz(0.3, -0.2, 0.5)  # how the sensor of balls is turned in the last frame
+SENSOR = rotation_xyz(0.3, -0.2, 0.5)  # how the sensor of balls is turned in the flange frame
 
 
 def contact_campaign(kind, n=60, seed=0, noise_mm=NOISE_MM, known_nests=True, **target):

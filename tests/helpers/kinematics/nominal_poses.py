@@ -7,7 +7,7 @@ from truepose.kinematics.frames import poses_of
 
 
 def nominal_poses(robot, joints_rad):
-    """Poses (n, 4, 4) of the last frame at joint angles (n, J)."""
+    """Poses (n, 4, 4) of the flange frame at joint angles (n, J)."""
     chain = nominal_chain(robot, joints_rad)
     return poses_of(chain.end_rotation, chain.end_origin)
 

@@ -29,7 +29,7 @@ class Session:
     tracker: Campaign
     validation_mm: FloatArray  # (n, 3) true places of the nests of the validation readings, world
     cups_mm: dict[Cup, FloatArray]  # true places of the cups, world
-    nests_mm: FloatArray  # (3, 3) true, last frame
+    nests_mm: FloatArray  # (3, 3) true, flange frame
     legs_mm: FloatArray  # true lengths of the legs, in their order
     out_of_range: int  # legs
 

@@ -93,7 +93,7 @@ class Nested:
 
     @cached_property
     def start(self) -> FloatArray:
-        """Errors of the start model, shape (n, d) [mm]."""
+        """Errors of the initial model, shape (n, d) [mm]."""
         return self._errors(lambda choice: ((), choice.first.normal))
 
     @cached_property

@@ -97,7 +97,7 @@ Groups = tuple[tuple[Candidate, ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class Improvement:
-    """Held-out errors of the start model and of the extended one, and what each of its causes gains.
+    """Held-out errors of the initial model and of the extended one, and what each of its causes gains.
 
     Attributes
     ----------

@@ -269,7 +269,7 @@ class Remainder:
     steps : AngleSteps or None
         Of the joint angles, where they are noise beyond what is stated.
     contradicted : bool
-        Validation readings are predicted no better than by the start model.
+        Validation readings are predicted no better than by the initial model.
     withheld : Gain or None
         Of a description that does not predict validation readings better: it is in no model.
     """

@@ -97,7 +97,7 @@ class Selection:
     Attributes
     ----------
     fit : RobustFit
-        Of the start model and the picks.
+        Of the initial model and the picks.
     picks : tuple of Candidate
         In the order in which they were found.
     pool : Pool
@@ -283,7 +283,7 @@ def _carried(view: View, parameters: float) -> bool:
 
 
 def refit_picks(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
-    """Fit the start model with the picks' parameters.
+    """Fit the initial model with the picks' parameters.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ NAME = "link_mass"
 
 
 class LinkMasses:
-    """Mass and first moment of every link with a stated mass; that of the last frame is the payload."""
+    """Mass and first moment of every link with a stated mass; that of the flange frame is the payload."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
@@ -77,7 +77,7 @@ def _links(setting: Setting) -> list[int]:
     if setting.torque_source != "masses":
         return []
     stated = {mass.frame for mass in setting.robot.masses if mass.mass_kg > 0.0}
-    # A mass of the last frame is the tool's, whose name is the payload: one thing must not have two names.
+    # A mass of the flange frame is the tool's, whose name is the payload: one thing must not have two names.
     return sorted(stated - {setting.robot.n_joints})
 
 

@@ -1,4 +1,4 @@
-"""The tool as far as it is unknown: nests in the last frame, and its orientation where poses are measured.
+"""The tool as far as it is unknown: nests in the flange frame, and its orientation where poses are measured.
 
     x_nest = x_start + (x, y, z),    R_tool = RotX(rx) RotY(ry) RotZ(rz) R_start
 

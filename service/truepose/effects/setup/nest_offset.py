@@ -1,6 +1,6 @@
 """Nest offset: a certified nest of the tool is not where its certificate says (bent, glued anew, chipped).
 
-    x_nest moves by  (dx, dy, dz)        last frame [mm]
+    x_nest moves by  (dx, dy, dz)        flange frame [mm]
 
 Only where several certified nests were read: of a single one the arm's own parameters take most of the
 offset, and if all are off alike nothing says that it is not the arm.
@@ -28,7 +28,7 @@ _WIDTH_MM = 0.3  # five times an offset that spoils a calibration unnoticed
 
 
 class NestOffset:
-    """Three coordinates per nest, in the last frame."""
+    """Three coordinates per nest, in the flange frame."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

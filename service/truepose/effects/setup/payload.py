@@ -1,6 +1,6 @@
 """Payload: the tool weighs something else, or elsewhere, than everybody was told.
 
-Mass and first moment of the last frame add torques (`effects.arm.loads`), which wind up the springs.
+Mass and first moment of the flange frame add torques (`effects.arm.loads`), which wind up the springs.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ _NAMES = ("payload_mass", "payload_x", "payload_y", "payload_z")
 
 
 class Payload:
-    """Deviation of mass and first moment of the tool from the stated values, in the last frame."""
+    """Deviation of mass and first moment of the tool from the stated values, in the flange frame."""
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})

@@ -1,7 +1,7 @@
 r"""Tool reseating: the tool sits a little differently after each mounting (tool changer, dirt).
 
 The seats of all mountings together are one effect: draws about a mean that the arm and the certificate of the
-tool define. Shift and turn are about the last frame's origin, along its axes. The draws x_m of M occasions
+tool define. Shift and turn are about the flange frame's origin, along its axes. The draws x_m of M occasions
 scatter about an unknown mean with deviation s_g in the components of group g. They are known as a fit left
 them: mean m and covariance C, under a prior N(0, W) that is taken out again, which leaves the information A =
 C^-1 - W^-1, b = C^-1 m. The evidence for the deviations is then

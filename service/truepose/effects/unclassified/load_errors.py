@@ -42,7 +42,7 @@ _SHIFT = 2e-3  # mm/N, belief: what shifts visibly by hand
 _FIRST_BEARING = 2  # what the first one carries tilts with the base
 _FIRST_TURN = 3  # components 3..5 of a motion
 _SMALLEST_LOAD_N_MM = 1.0
-# Axes of the last frame about which a mount is soft; it shifts along the other one, as a cantilever does.
+# Axes of the flange frame about which a mount is soft; it shifts along the other one, as a cantilever does.
 _SOFT_ABOUT = {"any": (0, 1), "x": (0,), "y": (1,)}
 
 
@@ -96,7 +96,7 @@ def _axes(_scene: Scene) -> Variants:
 
 
 def _gives(key: Key, rows: Rows) -> Moves:
-    """Tilt the tool about axes of the last frame by the moment of its weight; shift it by that weight.
+    """Tilt the tool about axes of the flange frame by the moment of its weight; shift it by that weight.
 
     A mount that is soft about x gives along y, and the other way round, as a cantilever along z does.
     """
@@ -110,7 +110,7 @@ def _gives(key: Key, rows: Rows) -> Moves:
 
 
 def _tool_weight_n(rows: Rows) -> FloatArray:
-    """Return the weight of the tool in the axes of the last frame, shape (n, 3) [N]."""
+    """Return the weight of the tool in the axes of the flange frame, shape (n, 3) [N]."""
     mass_kg = sum(link.mass_kg for link in rows.robot.masses if link.frame == rows.robot.n_joints)
     weight: FloatArray = np.einsum("nij,i->nj", rows.chain.rotation[-1], mass_kg * rows.gravity_m_s2)
     return weight

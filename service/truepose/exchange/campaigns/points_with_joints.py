@@ -208,7 +208,7 @@ class Stated:
     unit: str | None = None  # of the points, a key of UNITS_MM; None: the list says it
     u_mm: float | None = None  # standard uncertainty per axis; None: the list says it
     names: str = AT_THE_END
-    nests_mm: Sequence[Vector] = ()  # centres in the last frame; none: they are found
+    nests_mm: Sequence[Vector] = ()  # centres in the flange frame; none: they are found
     nest_u_mm: float | None = None
 
 

@@ -228,12 +228,12 @@ def _read_nests(node: Node | None, shipped: RobotWithTool) -> tuple[Nest, ...]:
 
 
 def _with_tool_mass(robot: Robot, tool: Node | None) -> Robot:
-    """Replace what the robot carries in its last frame by the tool of this cell, where its mass is given."""
+    """Replace what the robot carries on its flange by the tool of this cell, where its mass is given."""
     if tool is None or tool.optional("mass_kg") is None:
         return robot
     mass, centre = tool.key("mass_kg").number(least=0.0), tool.key("cog_mm").vector()
     carried = LinkMass(robot.n_joints, mass, centre)
-    # What a robot file has in the last frame is the artefact that its masses came with; both would weigh.
+    # What a robot file has in the flange frame is the artefact that its masses came with; both would weigh.
     others = tuple(link for link in robot.masses if link.frame != robot.n_joints)
     return replace(robot, masses=(*others, carried))
 

@@ -5,7 +5,7 @@ model has the flange then. A target with a pose is the place of its tool in its 
 in the robot's own base, or in the world of the readings. What goes back into the program are joint angles, or
 the pose at which the *nominal* model has the corrected joint angles: the controller finds these again.
 
-The flange of the controller must be the last frame of the nominal table: so it is in the tables that ship.
+The flange of the controller must be the flange frame of the nominal table: so it is in the tables that ship.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -104,7 +104,7 @@ def _count(source: Source, token: Token, opened: list[Token]) -> None:
     if token.text in _OPENS:
         opened.append(token)
         if len(opened) > _DEEPEST:
-            source.fail("brackets are nested too deep", token.start)
+            source.fail("brackets are nested too deeply", token.start)
     elif token.text in _CLOSES:
         if not opened or opened[-1].text != _CLOSES[token.text]:
             source.fail(f"{token.text} closes a bracket that was not opened", token.start)

@@ -67,7 +67,7 @@ class _PlainLoader(yaml.SafeLoader):
         """Return the node that comes next."""
         if self.check_event(yaml.AliasEvent) or self._depth > _DEEPEST:
             raise yaml.MarkedYAMLError(
-                problem="it has aliases or is nested too deep, which no such file needs",
+                problem="it has aliases or is nested too deeply, which no such file needs",
                 problem_mark=self.get_event().start_mark,  # type: ignore[no-untyped-call]
             )
         self._depth += 1

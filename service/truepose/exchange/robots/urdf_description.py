@@ -81,7 +81,7 @@ class _Tree:
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = Element(self._file, tag, attributes, self.parser.CurrentLineNumber)
         if len(self._open) > _DEEPEST:
-            element.fail("elements are nested too deep", UnreadableFileError)
+            element.fail("elements are nested too deeply", UnreadableFileError)
         self._open[-1].children.append(element)
         self._open.append(element)
 

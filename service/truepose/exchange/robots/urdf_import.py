@@ -187,7 +187,7 @@ class DescribedRobot:
     base_link: str
     tip_link: str
     base: FramePlacement  # of the table's frame 0 in the base link
-    tip: FramePlacement  # of the tip link in the table's last frame
+    tip: FramePlacement  # of the tip link in the table's flange frame
 
 
 def read_urdf(path: Path, *, base: str | None = None, tip: str | None = None) -> DescribedRobot:

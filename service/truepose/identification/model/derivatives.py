@@ -186,7 +186,7 @@ def _nest_gradients(state: State) -> dict[Port, FloatArray]:
     for term in state.terms:
         if term.port.kind is PortKind.NEST:
             nest, component = divmod(term.port.number, 3)
-            # Only readings of that nest move with it; its coordinates are along the axes of the last frame.
+            # Only readings of that nest move with it; its coordinates are along the axes of the flange frame.
             here = (state.targets.nest == nest + 1)[:, None]
             gradients[term.port] = np.where(here, last[:, :, component], 0.0)
     return gradients

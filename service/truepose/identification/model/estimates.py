@@ -237,9 +237,9 @@ class RigidArm:
     base : FramePlacement
         In the world.
     nests : tuple of NestCentre
-        [mm], last frame.
+        [mm], flange frame.
     tool_rotation_rad : tuple of float, length 3
-        RotX RotY RotZ of the tool in the last frame.
+        RotX RotY RotZ of the tool in the flange frame.
     uncertainty : tuple of mapping, length J
         Standard uncertainty of each row by field [rad, mm], where a parameter moves it.
     left_out : tuple of Parameter
@@ -276,7 +276,7 @@ def rigid_arm(model: Model) -> RigidArm:
     return RigidArm(
         robot=replace(model.robot, joints=_rows(model.robot, moved)),
         base=placement_of(base_rotation, start.base_origin_mm + _three(moved, PortKind.BASE, 0)),
-        # Without the origin of the last frame, which was only looked at.
+        # Without the origin of the flange frame, which was only looked at.
         nests=_nests(nest_centres(start, moved)[:-1]),
         tool_rotation_rad=angles_xyz(tool_rotation),
         uncertainty=_uncertainties(model, terms),
@@ -292,7 +292,7 @@ def rigid_arm(model: Model) -> RigidArm:
 def _anywhere(model: Model) -> State:
     """Return the model in the one configuration in which all joints read zero."""
     estimate = identified_estimate(model)
-    # A model that knows no nest is looked at in the origin of its last frame.
+    # A model that knows no nest is looked at in the origin of its flange frame.
     looked_at = np.vstack([estimate.structure.nests_mm, np.zeros(3)])
     structure = replace(estimate.structure, nests_mm=looked_at)
     # One configuration is enough: a weight that varies is an array, of however few rows.

@@ -1,6 +1,6 @@
 """Predictions: effects move ports, the chain turns ports into positions; `derivatives` differentiates them.
 
-With (R, o) the last frame of the chain whose ports the parameters have moved (`structure`,
+With (R, o) the flange frame of the chain whose ports the parameters have moved (`structure`,
 `kinematics.chain`) and x a tool nest in it that ports move by dx, the nest is at
 
     u = o + R (x + dx)                        `unscaled_mm`
@@ -87,7 +87,7 @@ class State:
     base_origin_mm: FloatArray  # (3,)
     base_axes: FloatArray  # (3, 3) in rows
     tool_rotation: FloatArray  # (3, 3)
-    tool_axes: FloatArray  # (3, 3) in rows, last frame
+    tool_axes: FloatArray  # (3, 3) in rows, flange frame
     scale: float  # relative error of the instrument's lengths
     unscaled_mm: FloatArray  # (n, 3) where the nest is
     position_mm: FloatArray  # (n, 3) where the instrument sees it
@@ -411,7 +411,7 @@ def nest_centres(structure: Structure, moved: dict[Port, FloatArray | float]) ->
     Returns
     -------
     ndarray, shape (K, 3)
-        [mm], last frame.
+        [mm], flange frame.
     """
     shifts = np.array([moved.get(Port(PortKind.NEST, k), 0.0) for k in range(structure.nests_mm.size)])
     centres: FloatArray = structure.nests_mm + shifts.reshape(-1, 3)

@@ -209,7 +209,7 @@ def placed_variance(model: Model, state: State) -> FloatArray:
 
 
 def turned_variance(model: Model, state: State) -> FloatArray:
-    """Return the variance per axis of the last frame's turn, of the parameters alone, mean of the three.
+    """Return the variance per axis of the flange frame's turn, of the parameters alone, mean of the three.
 
     Parameters
     ----------

@@ -48,9 +48,9 @@ class Structure:
     base_origin_mm : ndarray, shape (3,)
         Start; in the world.
     nests_mm : ndarray, shape (K, 3)
-        Start; last frame, nest k in row k - 1.
+        Start; flange frame, nest k in row k - 1.
     tool_rotation : ndarray, shape (3, 3)
-        Start; of the tool in the last frame.
+        Start; of the tool in the flange frame.
     gravity_m_s2 : ndarray, shape (3,)
         In the world.
     effects : tuple of str

@@ -1,6 +1,6 @@
 """Where a model holds: the robot, the zone and the time that were measured.
 
-*Zone:* ranges of the joints, and a polytope around the places of the last frame. The polytope has a face for
+*Zone:* ranges of the joints, and a polytope around the places of the flange. The polytope has a face for
 every direction to a face, an edge or a corner of a cube, 26 in all: a hull of fixed size that needs no points
 kept, a little larger than the convex one.
 
@@ -87,7 +87,7 @@ def measured_zone(robot: Robot, joints_rad: FloatArray) -> MeasuredZone:
     Returns
     -------
     MeasuredZone
-        Ranges of the joints [rad], and how far out the last frame's origin came along each of the 26
+        Ranges of the joints [rad], and how far out the flange frame's origin came along each of the 26
         directions [mm, base of the robot].
     """
     low, high = joints_rad.min(axis=0), joints_rad.max(axis=0)
@@ -109,7 +109,7 @@ def outside(zone: MeasuredZone, robot: Robot, joints_rad: FloatArray) -> tuple[F
     Returns
     -------
     distance_mm : ndarray, shape (n,)
-        Of the last frame's origin from the polytope; 0 within.
+        Of the flange frame's origin from the polytope; 0 within.
     angle_rad : ndarray, shape (n, J)
         Of each joint from its range; 0 within.
     """
@@ -120,7 +120,7 @@ def outside(zone: MeasuredZone, robot: Robot, joints_rad: FloatArray) -> tuple[F
 
 
 def beyond_zone_mm(zone: MeasuredZone, place_mm: FloatArray) -> FloatArray:
-    """Return how far places of the last frame are outside the polytope, at least.
+    """Return how far places of the flange frame are outside the polytope, at least.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def beyond_zone_mm(zone: MeasuredZone, place_mm: FloatArray) -> FloatArray:
 
 
 def _along(robot: Robot, joints_rad: FloatArray) -> FloatArray:
-    """Return how far out the last frame is in each direction, shape (n, 26) [mm]."""
+    """Return how far out the flange frame is in each direction, shape (n, 26) [mm]."""
     return np.asarray(nominal_chain(robot, joints_rad).end_origin @ DIRECTIONS.T)
 
 

@@ -328,7 +328,7 @@ class ObservationBlock(Table, ABC):
         return frozenset()
 
     def moved_by_nest(self, result: BlockResult, nest: int) -> FloatArray:
-        """Return the motion of each prediction per mm of a held tool nest, last frame, shape (3, n, d)."""
+        """Return the motion of each prediction per mm of a held tool nest, flange frame, shape (3, n, d)."""
         return np.zeros((3, *result.residual.shape))
 
     def moved_by_world(self, result: BlockResult) -> FloatArray:

@@ -4,7 +4,7 @@ The sides are lengths between two cups, or between two tool nests, measured with
 the legs. A cup was clamped on the ball in tool nest 1 while the robot held it: its place, of the fixture as
 it then stood, is where the robot was. Together they fix the frame that lengths alone leave open.
 
-With cups b_i (parameters), tool nests x_k in the last frame, x what effects say that a length reads too much
+With cups b_i (parameters), tool nests x_k in the flange frame, x what effects add to a length
 and p where the ball was held,
 
     side = |b_j - b_i| + x, or |x_l - x_k| + x        0 = b_i - p, three coordinates

@@ -1,6 +1,6 @@
 """Positions of tool nests and orientations of the tool as observations.
 
-With R, o the last frame of the model and x a nest in it, what is left of a reading is
+With R, o the flange frame of the model and x a nest in it, what is left of a reading is
 
     position p          p - (o + R x)       [mm]
     orientation M       log(M R^T)          [rad], a rotation vector
@@ -136,9 +136,9 @@ class PositionBlock(ObservationBlock):
         Returns
         -------
         ndarray, shape (3, n, 3)
-            Axes of the last frame in the world [mm per mm]; zeros for readings of other nests.
+            Axes of the flange frame in the world [mm per mm]; zeros for readings of other nests.
         """
-        # Certificates state coordinates in the last frame; its axes carry them into the world.
+        # Certificates state coordinates in the flange frame; its axes carry them into the world.
         here = (self.targets.nest == nest)[:, None]
         last = result.state.chain.end_rotation
         return np.stack([np.where(here, last[:, :, k], 0.0) for k in range(3)])

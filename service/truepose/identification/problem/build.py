@@ -181,7 +181,7 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     found = placement.rotation if campaign.base_nominal is None else None
     setting = setting_of(campaign, points.stops, found)
     certified = campaign.tool_rotation_uncertainty_rad is not None
-    # Of a certified artefact readings are of the last frame itself: its turn is a parameter near 0.
+    # Of a certified artefact readings are of the flange frame itself: its turn is a parameter near 0.
     tool = np.eye(3) if certified else _tool_rotation(chain, placement, points)
     structure, start = started_structure(campaign, effects, placement, tool, setting)
     if certified:

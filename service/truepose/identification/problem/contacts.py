@@ -57,9 +57,9 @@ class ContactPlacement:
     values : tuple of ndarray
         Of the parameters of each, internal units.
     nests_mm : ndarray, shape (K, 3)
-        Last frame.
+        Flange frame.
     tool_rotation : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
     """
 
     targets: tuple[Target, ...]
@@ -75,9 +75,9 @@ class Contacts:
     Attributes
     ----------
     rotation : ndarray, shape (n, 3, 3)
-        Of the last frame in the world, nominal.
+        Of the flange frame in the world, nominal.
     origin_mm : ndarray, shape (n, 3)
-        Of the last frame.
+        Of the flange frame.
     nest : ndarray of int, shape (n,)
         1-based.
     target : ndarray of int, shape (n,)
@@ -86,7 +86,7 @@ class Contacts:
         Of the sensor, NO_AXIS where it has none.
     reading_mm : ndarray, shape (n,)
     nests_mm : ndarray, shape (K, 3)
-        Last frame; rows of unknown nests are ignored.
+        Flange frame; rows of unknown nests are ignored.
     nest_unknown : ndarray of bool, shape (K,)
     targets : tuple of Target
     """

@@ -42,7 +42,7 @@ class Placement:
     origin_mm : ndarray, shape (3,)
         Of the base in the world.
     nests_mm : ndarray, shape (K, 3)
-        Last frame.
+        Flange frame.
     residual_mm : ndarray, shape (n, 3)
         Observation minus prediction, world frame.
     weights : ndarray, shape (n,)
@@ -70,7 +70,7 @@ class PriorPlacement:
     base : tuple of ndarray, shapes (3, 3) and (3,), or None
         Rotation, and origin [mm] in the world; None: to be found.
     nests_mm : ndarray, shape (K, 3)
-        Last frame; rows of unknown nests are ignored.
+        Flange frame; rows of unknown nests are ignored.
     nest_unknown : ndarray of bool, shape (K,)
     """
 

@@ -50,7 +50,7 @@ class LegPlacement:
     anchors_mm : ndarray, shape (A, 3)
         Base at the identity.
     nests_mm : ndarray, shape (K, 3)
-        Last frame.
+        Flange frame.
     offset_mm : float
         Added to every length.
     """
@@ -114,7 +114,7 @@ def _spread(anchor: IntArray) -> IntArray:
 
 
 def attachments(unknown: bool) -> list[FloatArray]:
-    """Return the places in the last frame where an unknown nest is tried first.
+    """Return the places in the flange frame where an unknown nest is tried first.
 
     Parameters
     ----------

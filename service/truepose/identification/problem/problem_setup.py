@@ -219,7 +219,7 @@ def started_structure(
     placement : Placement
         Base and nests of the nominal robot.
     tool_rotation : ndarray, shape (3, 3)
-        Orientation of the tool in the last frame; the identity where none was measured.
+        Orientation of the tool in the flange frame; the identity where none was measured.
     setting : Setting
 
     Returns
@@ -243,7 +243,7 @@ def started_structure(
         robot=campaign.robot,
         base_rotation=base_start[0],
         base_origin_mm=base_start[1],
-        # Unknown nests are parameters that count from the origin of the last frame.
+        # Unknown nests are parameters that count from the origin of the flange frame.
         nests_mm=np.where(unknown[:, None], 0.0, placement.nests_mm),
         tool_rotation=tool_start,
         gravity_m_s2=np.array(campaign.gravity_m_s2),

@@ -24,7 +24,7 @@ from truepose.identification.verdict.conventions import reach_mm
 from truepose.messages.message import Message, Text, message
 
 _FAR: Final = 4.0  # reaches; two are possible
-_TOOL_MM: Final = 2000.0  # no unknown nest is further from the last frame
+_TOOL_MM: Final = 2000.0  # no unknown nest is further from the flange frame
 _BEYOND: Final[dict[Quantity, str]] = {
     "position": "gross.beyond_reach.position",
     "length": "gross.beyond_reach.length",

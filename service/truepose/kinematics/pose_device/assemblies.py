@@ -43,7 +43,7 @@ class Assembly:
     points_mm : ndarray, shape (3, 3)
         Nests T1, T2, T3 in the frame of the cups.
     pose : Pose
-        Of the last frame of the arm.
+        Of the flange frame of the arm.
     """
 
     number: int  # from 1
@@ -71,7 +71,7 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
     cups_mm : ndarray, shape (3 or 4, 3)
         Cups of the base fixture in any frame.
     nests_mm : ndarray, shape (3, 3)
-        Tool nests in the last frame of the arm.
+        Tool nests in the flange frame of the arm.
     leg_mm : float
         Length of all legs.
 
@@ -117,20 +117,20 @@ def measurable(
 ) -> tuple[Assembly, ...]:
     """Return the assemblies whose legs all come to the tool from the side away from the flange.
 
-    The flange is taken at the origin of the last frame.
+    The flange is taken at the origin of the flange frame.
 
     Parameters
     ----------
     candidates : sequence of Assembly
     cups_mm : ndarray, shape (K, 3)
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
 
     Raises
     ------
     ConfigurationError
-        The nests are on a line, or the origin of the last frame lies in their plane, so that neither side is
-        the flange's.
+        The nests are on a line, or the flange's origin lies in their plane, so that neither side is the
+        flange's.
     """
     check_triangle(nests_mm, "tool nests")
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
@@ -157,7 +157,7 @@ def distinct(
 ) -> tuple[Assembly, ...]:
     """Return the assemblies that are not close to an earlier one, in their order.
 
-    Close means a turn below `turn_rad` and origins of the last frame nearer than `distance_mm`, both at once:
+    Close means a turn below `turn_rad` and flange origins nearer than `distance_mm`, both at once:
     thesis section 3.2, where 18 of 72 go.
 
     Parameters

@@ -68,7 +68,7 @@ def recognise_assembly(
     candidates : sequence of Pose
         E.g. the four solutions of a design, in any order; those that are not finite are never chosen.
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
     arm_u_mm : float
         Standard uncertainty of the commanded place of a nest, per coordinate.
 
@@ -101,7 +101,7 @@ def is_clearly_nearer(
     ----------
     nearest, following, commanded : Pose
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
     arm_u_mm : float
         Standard uncertainty of the commanded place of a nest, per coordinate; errors of coordinates are taken
         for independent and normal.
@@ -117,7 +117,7 @@ def square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
     ----------
     first, second : Pose
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
 
     Returns
     -------

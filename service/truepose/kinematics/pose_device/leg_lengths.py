@@ -1,6 +1,6 @@
 """Lengths of legs at a pose: their derivatives, their covariance from cups and nests, their forecast.
 
-Leg k joins cup c and nest n (in the last frame): l = |R n + x - c|. With the unit vector e from cup to nest,
+Leg k joins cup c and nest n (flange frame): l = |R n + x - c|. With the unit vector e from cup to nest,
 
     dl = e . dx + (R n x e) . dw - e . dc + e . R dn
 
@@ -31,7 +31,7 @@ class Fixtures:
     cups_mm : ndarray, shape (K, 3)
         In the frame in which the pose is wanted.
     nests_mm : ndarray, shape (3, 3)
-        In the last frame of the arm.
+        In the flange frame of the arm.
     cups_covariance_mm2 : ndarray, shape (3K, 3K), or None
         Cup by cup; None: exact.
     nests_covariance_mm2 : ndarray, shape (9, 9), or None
@@ -39,7 +39,7 @@ class Fixtures:
     """
 
     cups_mm: FloatArray  # (K, 3) in the frame in which the pose is wanted
-    nests_mm: FloatArray  # (3, 3) in the last frame of the arm
+    nests_mm: FloatArray  # (3, 3) in the flange frame of the arm
     cups_covariance_mm2: FloatArray | None = None  # (3K, 3K), cup by cup; None: exact
     nests_covariance_mm2: FloatArray | None = None  # (9, 9), nest by nest; None: exact
 
@@ -63,7 +63,7 @@ class LinearLegs:
 
 
 def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLegs:
-    """Return legs at a pose of the last frame, by the formulas of the module's head.
+    """Return legs at a pose of the flange frame, by the formulas of the module's head.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLe
     legs : sequence of (cup, nest)
         n of them, numbers from 1.
     pose : Pose
-        Of the last frame. A leg whose nest lies in its cup has no direction: no motion changes its length.
+        Of the flange frame. A leg whose nest lies in its cup has no direction: no motion changes its length.
     """
     # Legs that share a cup or a nest share its error: the covariance is one of all legs, not a variance each.
     cup, nest = np.array(legs).T - 1
@@ -115,7 +115,7 @@ def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray
         Number of the configuration in the campaign.
     fixtures : Fixtures
     pose : Pose
-        Where the last frame is believed to be.
+        Where the flange frame is believed to be.
     covariance : ndarray, shape (6, 6)
         Of that belief: shift [mm], then turn [rad], about the axes of the cups' frame.
 

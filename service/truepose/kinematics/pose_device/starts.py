@@ -36,7 +36,7 @@ def starting_poses(
     ----------
     cups_mm : ndarray, shape (K, 3)
     nests_mm : ndarray, shape (3, 3)
-        In the last frame.
+        In the flange frame.
     legs : sequence of (cup, nest), n >= 6
         Numbers from 1; one may stand there more than once.
     length_mm : ndarray, shape (n,)

@@ -185,7 +185,7 @@ class BallbarCell:
 
     robot: Robot
     base: FramePlacement  # nominal, in the world
-    nests_mm: FloatArray  # (3, 3) tool nests in the last frame
+    nests_mm: FloatArray  # (3, 3) tool nests in the flange frame
     ranges: tuple[JointRange, ...]  # in which configurations are chosen
     leg_mm: float = 300.0  # of the ballbar, and of the sides of the base fixture that it measures
     table_z_mm: float = 0.0  # world
@@ -337,16 +337,16 @@ def tool_normal(nests_mm: FloatArray) -> FloatArray:
     Parameters
     ----------
     nests_mm : ndarray, shape (3, 3)
-        In the last frame, not on a line.
+        In the flange frame, not on a line.
 
     Returns
     -------
     ndarray, shape (3,)
-        In the last frame.
+        In the flange frame.
     """
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
     normal /= np.linalg.norm(normal)
-    # Nests open away from the flange: seen from the last frame's origin their middle lies that way.
+    # Nests open away from the flange: seen from the flange frame's origin their middle lies that way.
     return np.asarray(normal if normal @ nests_mm.mean(axis=0) > 0 else -normal)
 
 
@@ -371,7 +371,7 @@ def tool_body(cell: BallbarCell, chain: Chain) -> Capsules:
 
 @lru_cache(maxsize=8)  # of a cell: every step of a search for a way asks for it
 def _tool_on_flange(nests_mm: tuple[tuple[float, ...], ...]) -> Capsules:
-    """Return the tool fixture in the last frame, at the one configuration that it always has there."""
+    """Return the tool fixture in the flange frame, at the one configuration that it always has there."""
     nests = np.array(nests_mm)
     normal = tool_normal(nests)
     corners = nests - PLATE_DEPTH_MM * normal

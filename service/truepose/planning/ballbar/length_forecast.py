@@ -52,7 +52,7 @@ class SessionForecast:
     """The lengths of one plan on the nominal arm of its cell, and what is unknown of them.
 
     Unknown are, in this order: the parameters of the arm (in the widths of their priors), the coordinates of
-    the tool nests in the last frame [mm], those of all cups in the world [mm].
+    the tool nests in the flange frame [mm], those of all cups in the world [mm].
 
     Parameters
     ----------

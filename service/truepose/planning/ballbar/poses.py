@@ -132,7 +132,7 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
 
 
 def _poses(fixture: BaseFixture, tried: Sequence[Assembly]) -> FloatArray:
-    """Poses of the last frame in the world, shape (n, 4, 4)."""
+    """Poses of the flange frame in the world, shape (n, 4, 4)."""
     placed = np.eye(4)
     placed[:3, :3], placed[:3, 3] = placement_rotation(fixture.frame), placement_translation(fixture.frame)
     return np.asarray(placed @ np.array([one.pose.matrix for one in tried]).reshape(-1, 4, 4))
@@ -348,7 +348,7 @@ def _clear(
 
 
 def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return orientations of the last frame, the tool facing against an axis.
+    """Return orientations of the flange frame, the tool facing against an axis.
 
     24 spins about the axis, each tilted by 0 to 45 deg about four axes across.
 

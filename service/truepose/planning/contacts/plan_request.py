@@ -31,7 +31,7 @@ class ContactPlanRequest:
     role: Role = "calibration"
     distances: tuple[TargetDistance, ...] = ()
     found_zeros: tuple[int, ...] = ()  # targets whose zero is rough, and found from the readings
-    axis: Vector = _UP  # last frame: where the probe points, the ball sits on its stem, the sensor looks
+    axis: Vector = _UP  # flange frame: where the probe points, the ball sits on its stem, the sensor looks
     stroke_mm: float = 5.0
     margin_mm: float = 1.0
     reading_u_mm: float = 0.001

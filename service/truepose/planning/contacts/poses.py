@@ -1,7 +1,7 @@
 """Random places and directions of the tool at its targets, with joint angles and ways there.
 
 A goal is a place of the nest, a direction t of the tool's axis a, and the direction w of the last
-millimetres. The rotation R turns a into t and spins about it at random; the last frame then has its origin, b
+millimetres. The rotation R turns a into t and spins about it at random; the flange then has its origin, b
 mm before the stop, at
 
     o = tip - b w - R nest
@@ -241,7 +241,7 @@ def _frame_about(z: FloatArray, spin_rad: FloatArray) -> FloatArray:
 def _poses(
     space: WorkSpace, wish: ContactPlanRequest, goals: Goals, turn: FloatArray, before_mm: float
 ) -> FloatArray:
-    """Return the poses of the last frame in the base, shape (n, 4, 4)."""
+    """Return the poses of the flange frame in the base, shape (n, 4, 4)."""
     nest_mm = np.array(space.nests[wish.nest - 1].centre_mm)
     origin_mm = goals.tip_mm - before_mm * goals.way_in - turn @ nest_mm
     base, foot_mm = placement_rotation(space.base), placement_translation(space.base)

@@ -50,7 +50,7 @@ class CellBodies:
     arm : BallbarCell
         Its outline; that asks for three nests, those of the tool are beside it.
     nests_mm : ndarray, shape (K, 3)
-        In the last frame.
+        In the flange frame.
     floor_z_mm : float
         World.
     floor_is_stated : bool

@@ -122,7 +122,7 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
 
 
 def _bars(nominal: Statistics | None, before: Statistics, after: Statistics, words: Catalogue) -> Markup:
-    """Draw what the outcome says; the start model is called what it is where nothing nominal was recorded."""
+    """Draw what the outcome says; the initial model keeps its name where nothing nominal was recorded."""
     if nominal is None:
         return error_bars(before, after, words, names=("before", "after"))
     return error_bars(nominal, after, words)

@@ -35,7 +35,7 @@ class Scene:
     """Geometry in the world for one step."""
 
     points: tuple[ScenePoint, ...]
-    arm_mm: tuple[Vector, ...]  # from the base to the last frame, for this step; the base alone: not known
+    arm_mm: tuple[Vector, ...]  # from the base to the flange frame, for this step; the base alone: not known
     leg: tuple[str, str] | None
     stand_mm: Vector  # the person's eyes
     look_at_mm: Vector

@@ -17,7 +17,7 @@ def nominal_chain(robot: Robot, base: FramePlacement, joints_rad: FloatArray) ->
 
 
 def nest_centre(nests: tuple[Nest, ...], nest: int) -> FloatArray:
-    """Return the centre of a 1-based nest in the last frame [mm]; raises PlanRefusedError where unknown."""
+    """Return the centre of a 1-based nest in the flange frame [mm]; raises PlanRefusedError where unknown."""
     if not 1 <= nest <= len(nests):
         raise PlanRefusedError(message("session.nest.unknown", nest=nest, there=len(nests)))
     centre = nests[nest - 1].centre_mm
@@ -36,7 +36,7 @@ def nest_in_world(
 
 
 def arm_line(chain: Chain, number: int = 0) -> tuple[FloatArray, ...]:
-    """Return base, joints and last frame of one configuration as a line: along each link, then each axis."""
+    """Return base, joints and flange of one configuration as a line: along each link, then each axis."""
     line = [chain.base_origin[0]]
     for middle, origin in zip(chain.origin_middle[:, number], chain.origin[:, number], strict=True):
         # Zero lengths are left out: a picture of one point twice has no direction.

@@ -61,7 +61,7 @@ class BetterPlace:
 class GuidedScene:
     """Geometry in the world."""
 
-    arm_mm: tuple[Vector, ...]  # from the base to the last frame, where the next configuration has it
+    arm_mm: tuple[Vector, ...]  # from the base to the flange frame, where the next configuration has it
     instrument_mm: Vector | None
     placed: bool  # the instrument's place was measured, not only stated
     fixed_nests: tuple[SeenPoint, ...]

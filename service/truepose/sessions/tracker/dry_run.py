@@ -119,7 +119,7 @@ def _motion_times(
     robot : Robot
     base : FramePlacement
     tool_mm : ndarray, shape (3,)
-        Point whose path counts, in the last frame.
+        Point whose path counts, in the flange frame.
     targets : ndarray, shape (n, J)
         Joint angles [rad].
     """

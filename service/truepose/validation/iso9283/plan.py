@@ -139,9 +139,9 @@ def plan_poses(
         Its joint limits count where they are known.
     cube : Cube
     rotation : ndarray, shape (3, 3)
-        Orientation of the last frame in the base, the same at all poses.
+        Orientation of the flange frame in the base, the same at all poses.
     nest_mm : tuple of float
-        The point of the tool that stands in the poses, in the last frame.
+        The point of the tool that stands in the poses, in the flange frame.
 
     Returns
     -------
@@ -210,9 +210,9 @@ def joints_in_branches(
     places_mm : array_like, shape (n, 3)
         Of the nest, in the base.
     rotation : ndarray, shape (3, 3)
-        Orientation of the last frame in the base.
+        Orientation of the flange frame in the base.
     nest_mm : tuple of float
-        In the last frame.
+        In the flange frame.
 
     Returns
     -------
@@ -311,7 +311,7 @@ def plan_directions(
     plan : PosePlan
         The poses, and how its joints stand there; the orientation and the branch stay.
     nest_mm : tuple of float
-        The point of the tool that stands in the poses, in the last frame.
+        The point of the tool that stands in the poses, in the flange frame.
     approach_mm : float
         Length of the last motion.
 

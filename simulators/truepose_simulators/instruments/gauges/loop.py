@@ -37,7 +37,7 @@ class LoopSetup:
 
     reader: str = "probe"  # or "gauges", "wires", "sensor"
     nest: int = 2  # tip of the probe at its zero, ball, end of the wires, origin of the sensor
-    axis: Vector = (0.0, 0.0, 1.0)  # last frame: where the probe points
+    axis: Vector = (0.0, 0.0, 1.0)  # flange frame: where the probe points
     kinds: tuple[str, ...] = ("sphere",)
     places_mm: tuple[Vector, ...] = ((420.0, 0.0, 80.0),)  # as asked for, world
     normals: tuple[Vector, ...] = ()  # in which readings grow; none: upwards
@@ -67,7 +67,7 @@ class LoopSetup:
 class Tool(NamedTuple):
     """Where the tool is."""
 
-    rotation: FloatArray  # (3, 3) of the last frame, world
+    rotation: FloatArray  # (3, 3) of the flange frame, world
     nest_mm: FloatArray  # (3,) world
 
 

@@ -82,7 +82,7 @@ class UnreachableError(SimulatorError):
 
 
 def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray:
-    """Return joint angles that place the nominal last frame, by Newton steps from `start_rad`.
+    """Return joint angles that place the nominal flange frame, by Newton steps from `start_rad`.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _missing(present: FloatArray, wanted: FloatArray) -> FloatArray:
 
 
 def _jacobian(bodies: Bodies) -> FloatArray:
-    """Motion of the last frame per joint angle, shape (6, J)."""
+    """Motion of the flange frame per joint angle, shape (6, J)."""
     directions = bodies.axis_directions[0]
     levers = bodies.last_frame[0, :3, 3] - bodies.axis_points_mm[0]
     return np.concatenate([np.cross(directions, levers), directions], axis=1).T

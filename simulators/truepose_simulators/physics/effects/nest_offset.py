@@ -12,7 +12,7 @@ from truepose_simulators.physics.rigid import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class OffsetDetails:
-    """Which way, last frame."""
+    """Which way, flange frame."""
 
     direction: Vector | None = None  # any length; absent: drawn
 
@@ -21,7 +21,7 @@ class OffsetDetails:
 class OffsetNest:
     """One nest sits elsewhere from `from_s` on."""
 
-    offsets_mm: FloatArray  # (nests, 3) last frame
+    offsets_mm: FloatArray  # (nests, 3) flange frame
     from_s: float
 
     def nest_offsets_mm(self, conditions: effect.Conditions) -> FloatArray:
@@ -40,12 +40,12 @@ def plant(change: effect.PlantedChange, site: effect.Site) -> OffsetNest:
 
 
 def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[OffsetNest, ...]:
-    """Build the identified offsets, `offset_<nest>_x`.. [mm, last frame]."""
+    """Build the identified offsets, `offset_<nest>_x`.. [mm, flange frame]."""
     return _realised("offset", stated, site)
 
 
 def realise_certificate(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[OffsetNest, ...]:
-    """Build the errors that a certificate allows, `certified_<nest>_x`.. [mm, last frame]."""
+    """Build the errors that a certificate allows, `certified_<nest>_x`.. [mm, flange frame]."""
     return _realised("certified", stated, site)
 
 

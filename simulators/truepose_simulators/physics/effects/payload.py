@@ -45,7 +45,7 @@ def plant(change: effect.PlantedChange, site: effect.Site) -> WrongPayload:
 
 
 def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[IdentifiedMass, ...]:
-    """Build the identified tool, `payload_mass` [kg] and `payload_x`.. [kg mm, last frame]."""
+    """Build the identified tool, `payload_mass` [kg] and `payload_x`.. [kg mm, flange frame]."""
     extra_kg, moment = 0.0, np.zeros(3)
     for (part,), value in stated.matching(r"payload_(mass|x|y|z)", "payload_mass, payload_x, _y, _z"):
         if part == "mass":

@@ -38,7 +38,7 @@ class NestEffect(Protocol):
     """Moves nests on the tool."""
 
     def nest_offsets_mm(self, conditions: Conditions) -> FloatArray:
-        """Return offsets in the last frame, shape (n, nests, 3)."""
+        """Return offsets in the flange frame, shape (n, nests, 3)."""
 
 
 @runtime_checkable

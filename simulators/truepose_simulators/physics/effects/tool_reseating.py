@@ -33,7 +33,7 @@ class ReseatedTool:
     from_s: float
 
     def deflect(self, conditions: effect.Conditions, loads: effect.Loads) -> effect.Deflection:
-        """Return where the tool of each mounting sits, in the last frame."""
+        """Return where the tool of each mounting sits, in the flange frame."""
         del loads
         mountings, which = np.unique(conditions.attachment, return_inverse=True)
         drawn = np.array([self.seat(int(mounting)) for mounting in mountings]).reshape(-1, 6)
@@ -62,7 +62,7 @@ class SeatedTool:
     seats: Mapping[int, FloatArray]  # (6,) [mm, rad] by mounting
 
     def deflect(self, conditions: effect.Conditions, loads: effect.Loads) -> effect.Deflection:
-        """Return where the tool of each mounting sits, in the last frame."""
+        """Return where the tool of each mounting sits, in the flange frame."""
         del loads
         motions = np.zeros((len(conditions), 6))
         for mounting, seat in self.seats.items():
@@ -71,7 +71,7 @@ class SeatedTool:
 
 
 def realise(stated: effect.IdentifiedEffect, site: effect.ModelArm) -> tuple[SeatedTool, ...]:
-    """Build the identified seats, `seat_<mounting>_x`..`_rz` [mm, rad, last frame]."""
+    """Build the identified seats, `seat_<mounting>_x`..`_rz` [mm, rad, flange frame]."""
     del site
     seats = stated.motions("seat_([0-9]+)", "seat_<mounting>")
     return (SeatedTool({int(number): motion_in_world(np.eye(4), seat) for number, seat in seats.items()}),)

@@ -43,7 +43,7 @@ LIMITED = replace(IRB_120, joint_limits=tuple(JointRange(-3.2, 3.2) for _ in ran
 
 
 def reached(model, stops, nest):
-    """Where the tool is: of nest 0 the last frame itself."""
+    """Where the tool is: of nest 0 the flange frame itself."""
     structure = structure_of(model)
     structure = replace(structure, nests_mm=np.vstack([structure.nests_mm, np.zeros(3)]))
     numbered = np.where(nest == FLANGE, len(structure.nests_mm), nest)

@@ -164,7 +164,7 @@ def test_the_last_bearing_is_told_by_the_flange_alone():
 
 
 def test_a_mount_that_gives_lets_the_tool_nod_and_drop():
-    """At zero the flange faces forward: the weight pulls along x of the last frame, and turns about its y."""
+    """At zero the flange faces forward: the weight pulls along the x of its frame and turns about its y."""
     zero = telling_campaign(joints_rad=np.zeros((24, 6)))
     problem, mount = build(zero, ("base", "geometry")), candidate_of("mount")
     structure, targets = problem.structure.extended("unnamed", mount.specs), problem.blocks[0].targets

@@ -33,7 +33,7 @@ def rng():
 
 
 def without_a_last_length(space):
-    """Return the same arm and tool, counted from a last frame that lies in the wrist."""
+    """Return the same arm and tool, counted from a flange frame that lies in the wrist."""
     *before, last = space.robot.joints
     robot = replace(space.robot, joints=(*before, replace(last, d_mm=0.0)))
     moved = [(x, y, z + last.d_mm) for x, y, z in CENTRES]

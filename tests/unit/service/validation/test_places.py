@@ -18,7 +18,7 @@ _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NEST
 
 
 def readings(robot, joints, error_mm):
-    """Readings that are off by what `error_mm` says of the places (n, 3) of the last frame, along x."""
+    """Readings that are off by what `error_mm` says of the places (n, 3) of the flange frame, along x."""
     nest = 1 + np.arange(len(joints)) % len(NESTS)
     chain = nominal_chain(robot, joints)
     places = chain.points(np.array(NESTS)[nest - 1])

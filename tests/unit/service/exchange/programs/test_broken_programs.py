@@ -69,7 +69,7 @@ BROKEN = {
     ),
     "brackets without end": (
         f"MODULE M\nCONST num a:={'[' * 900}{']' * 900};\nENDMODULE\n",
-        "m.mod, line 2, column 64: brackets are nested too deep.",
+        "m.mod, line 2, column 64: brackets are nested too deeply.",
     ),
     "a motion without a target": (
         "MODULE M\nPROC a()\nMoveL \\Conc;\nENDPROC\nENDMODULE\n",

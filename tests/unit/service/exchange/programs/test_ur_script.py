@@ -77,7 +77,7 @@ def test_no_depth_of_calls_ends_the_reader():
     program = program_of(f"movej({'get_inverse_kin(' * 40}p[0,0,0,0,0,0]{')' * 40})")
 
     assert reasons(program) == {2: "the position is computed at run time"}
-    with pytest.raises(UnreadableFileError, match="line 2, column 806: brackets are nested too deep"):
+    with pytest.raises(UnreadableFileError, match="line 2, column 806: brackets are nested too deeply"):
         program_of(f"movej({'get_inverse_kin(' * 5000}p[0,0,0,0,0,0]{')' * 5000})")
 
 

@@ -72,7 +72,7 @@ def test_a_calibrated_arm_moves_as_its_description_does():
     start = frames(urdf, np.zeros(6))["wrist_3"]
     for joints in rng.uniform(-3.0, 3.0, (100, 6)):
         chain = nominal_chain(robot, joints[None])
-        # The table's base and last frame lie elsewhere on their axes: compare what the motion did.
+        # The table's base and flange frame lie elsewhere on their axes: compare what the motion did.
         moved = chain.end_rotation[0] @ home.end_rotation[0].T
         there = frames(urdf, joints)["wrist_3"]
         turn = np.trace(there[:3, :3] @ start[:3, :3].T)

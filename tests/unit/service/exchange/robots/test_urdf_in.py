@@ -176,7 +176,7 @@ MIMIC = '<mimic joint="a"/>'
         ('<?xml version="1.0" encoding="banana"?><robot name="r"/>', "line 1: .*its encoding is not known"),
         ('<?xml version="1.0" encoding="shift_jis"?><robot name="r"/>', "its encoding is not known"),
         (robot(joint("a", "b", "c", origin='xyz="0 0 1_0"')), "'1_0' is not a number"),
-        ("<robot>" + "<a>" * 200, "nested too deep"),
+        ("<robot>" + "<a>" * 200, "nested too deeply"),
         ('<robot name="r">' + "<x/>" * 5000 + "</robot>", "more than any robot"),
     ],
 )

@@ -52,7 +52,7 @@ def quiet(seed):
 
 
 def with_orientations(campaign, rng, sigma_rad):
-    """Orientations of the last frame turned by a fixed tool and by noise."""
+    """Orientations of the flange frame turned by a fixed tool and by noise."""
     problem = build(campaign, EFFECTS)
     seen = evaluate(problem.structure, problem.start, problem.blocks[0].targets).orientation
     tool = rotation_from_vector(np.array([0.4, -0.2, 1.1]))

@@ -92,7 +92,7 @@ def test_positions_alone_leave_the_turn_of_the_artefact_out_of_it():
 
 
 def test_orientations_of_an_artefact_that_nobody_certified_turn_with_the_data():
-    """As before there were certificates: any turn between artefact and last frame is found, none believed."""
+    """As before there were certificates: any turn between artefact and flange is found, none believed."""
     turned = replace(poses(np.zeros(3), np.array([0.3, -0.2, 0.5])), tool_rotation_uncertainty_rad=None)
 
     answer = identify(turned)

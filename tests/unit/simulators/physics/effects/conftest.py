@@ -39,7 +39,7 @@ class Bench:
         return self.rest(conditions, *effects).angles_rad - self.rest(conditions).angles_rad
 
     def moved_mm(self, conditions, *effects, at_mm=(0.0, 0.0, 0.0)):
-        """Way of a point of the last frame, shape (n, 3)."""
+        """Way of a point of the flange frame, shape (n, 3)."""
         point = np.array([at_mm])
         with_them, without = (self.rest(conditions, *some) for some in (effects, ()))
         return (with_them.nest_positions(point) - without.nest_positions(point))[:, 0]

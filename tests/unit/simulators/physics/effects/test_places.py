@@ -97,7 +97,7 @@ def test_a_warmer_arm_is_the_same_arm_on_a_larger_scale(rigid_bench, at):
     grown = rigid_bench.rest(warm, growth).nest_positions(np.zeros((1, 3)))
     straight = rigid_bench.rest(cold).nest_positions(np.zeros((1, 3)))
 
-    # The flange's last frame lies on axis 6: every length up to it grows alike.
+    # The flange's flange frame lies on axis 6: every length up to it grows alike.
     assert grown == pytest.approx(straight * (1.0 + 18e-6 * 6.0), abs=1e-9)
 
 
