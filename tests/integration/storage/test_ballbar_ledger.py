@@ -76,6 +76,18 @@ async def test_an_entry_comes_back_as_it_was_written(ledger, session_id):
     assert [record.id for record in kept] == numbers == sorted(numbers)
 
 
+async def test_people_answer_for_lengths_and_not_for_motions_or_results(ledger, session_id):
+    length = measured("placement-1/pose-1/leg-1-1", person="Ada", tablet="t1", key="k1")
+    for entry in (
+        length,
+        moved("placement-1/pose-1/move", (0.2,) * 6),
+        LedgerEntry("placement-1/pose-2", EntryKind.NOTED, 90.0),
+    ):
+        await ledger.append(session_id, entry)
+
+    assert [record.entry for record in await ledger.answered_for(session_id)] == [length]
+
+
 async def test_a_repeated_key_returns_the_earlier_entry_and_changes_nothing(ledger, session_id):
     first = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1", key="k1"))
 

@@ -46,7 +46,7 @@ async def acts_of_session(here: Context, number: int, words: Catalogue) -> "list
         OnRecord(
             number,
             await here.sessions.states(number),
-            await here.session_desk.ledger.whole(number),
+            await here.session_desk.ledger.answered_for(number),
             await here.sessions.additions(number),
             await _authority(here, number),
         ),
