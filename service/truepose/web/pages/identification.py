@@ -1,13 +1,11 @@
 """Identifications, validations and models: their pages, and the reports of the first two."""
 
 import asyncio
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.analysis.job_queue.tasks import held_out, stored_campaign
 from truepose.domain.errors import TrueposeError, text_of
 from truepose.domain.identification import Model
 from truepose.exchange.models.exports import FORMATS, Format, export
@@ -17,17 +15,12 @@ from truepose.storage.records import IdentificationRecord, ModelRecord, Validati
 from truepose.storage.results.items import WorkItem, WorkKind
 from truepose.validation.outcome import outcome_of
 from truepose.web.context import Context
+from truepose.web.drawn_reports import StoredIdentification, StoredValidation
 from truepose.web.pages.conditions import conditions_of_result
 from truepose.web.pages.records import record_at, trail_of
 from truepose.web.pages.rendering import Visit, Visited, Whole, render, render_part
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, report_page
 from truepose.web.pages.session_results import Choice
-
-if TYPE_CHECKING:
-    from truepose.domain.identification import Identification
-    from truepose.domain.validation import Validation
-    from truepose.reports.traceability import ReportConditions
-
 
 router = APIRouter(include_in_schema=False)
 
@@ -116,25 +109,6 @@ def _refusal(model: Model, form: Format, words: Catalogue) -> str:
     return ""
 
 
-@dataclass(frozen=True, slots=True)
-class StoredIdentification:
-    """An identification with its campaign as it is stored: unpacked where the report is drawn."""
-
-    identification: "Identification"
-    campaign: bytes
-    conditions: "ReportConditions"
-    language: str
-
-    def page(self) -> str:
-        """Return its report as a page."""
-        from truepose.reports.identification.report import IdentificationReport
-
-        campaign = stored_campaign(self.campaign, self.identification.set_aside)
-        return IdentificationReport(
-            self.identification, campaign, conditions=self.conditions, language=self.language
-        ).page()
-
-
 async def _identification_rows(here: Context, month: str) -> list[ReportRow]:
     records = await here.results.newest_identifications(LISTED, month)
     return [IDENTIFICATION.row(one, one.robot, outcome_of(one.identification)) for one in records]
@@ -154,33 +128,6 @@ async def _identification(here: Context, number: int, choice: Choice, words: Cat
 
 
 IDENTIFICATION = ReportKind("identification", "reports.identification", _identification_rows, _identification)
-
-
-@dataclass(frozen=True, slots=True)
-class StoredValidation:
-    """A validation with what it is of, as it is stored: unpacked where the report is drawn."""
-
-    validation: "Validation"
-    model: "Model"
-    campaign: bytes
-    conditions: "ReportConditions"
-    language: str
-
-    def page(self) -> str:
-        """Return its report as a page."""
-        from truepose.reports.validation import ValidationReport
-        from truepose.validation.cautions import validation_cautions
-
-        readings = held_out(stored_campaign(self.campaign))
-        remarks = tuple(validation_cautions(self.model, readings))
-        return ValidationReport(
-            self.validation,
-            self.model,
-            readings,
-            remarks,
-            conditions=self.conditions,
-            language=self.language,
-        ).page()
 
 
 async def _validation_rows(here: Context, month: str) -> list[ReportRow]:

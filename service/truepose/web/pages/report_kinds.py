@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Text
@@ -18,6 +18,7 @@ from truepose.storage.records import (
 )
 from truepose.storage.results.reports import ReportRecord, ReportSubject
 from truepose.web.context import Context
+from truepose.web.drawn_reports import Drawn, draw_content, draw_page
 from truepose.web.pages.rendering import Visit, moment, render_part
 from truepose.web.pages.session_results import Choice
 
@@ -47,13 +48,6 @@ class ReportRow:
     sentence: Text
     simulated: bool
     serial: str = ""
-
-
-class Drawn(Protocol):
-    """A report, or a result as it is stored, which a worker unpacks."""
-
-    def page(self) -> str:
-        """Return the report as a page."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,14 +155,3 @@ async def _drawn(here: Context, drawable: Drawable, number: str, words: Catalogu
         chain_head=(await here.database.head()).text,
     )
     return await here.drawing_desk.draw(draw_page, drawable.of(conditions))
-
-
-def draw_content(report: Any) -> str:
-    """Return a report without its frame and cover; a worker calls it."""
-    content: str = report.content()
-    return content
-
-
-def draw_page(report: Drawn) -> str:
-    """Return a report as a page; a worker calls it."""
-    return report.page()

@@ -1,6 +1,8 @@
 """Sessions: a list, each as it runs, its result and its report, how it is closed, and forms that plan one."""
 
 import asyncio
+import hashlib
+import pickle
 from dataclasses import dataclass, replace
 from functools import partial
 from http import HTTPStatus
@@ -24,7 +26,7 @@ from truepose.web.pages.conditions import closing_sentence, conditions_of_sessio
 from truepose.web.pages.geometry_results import CIRCLES, SPHERE
 from truepose.web.pages.next_action import identify_and_diagnose
 from truepose.web.pages.records import record_at, session_states, state_look, trail_of
-from truepose.web.pages.rendering import Visited
+from truepose.web.pages.rendering import Visit, Visited, render_part
 from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow
 from truepose.web.pages.session_results import (
     Choice,
@@ -115,7 +117,7 @@ async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     """Show what a session came to."""
     origin = await record_at(id, partial(origin_of, visit.here))
     row = _row(origin)
-    shown = await _result(visit.here, row, choice, visit.words)
+    shown = await _result(visit, row, choice)
     trail = await trail_of(visit, WorkKind.SESSION, origin.record.id)
     return visit.page(
         "results/result.html",
@@ -138,14 +140,18 @@ class ResultContent:
     models: tuple[ModelRecord, ...] = ()  # of which one may be chosen
 
 
-async def _result(here: Context, row: Row, choice: Choice, words: Catalogue) -> ResultContent:
+async def _result(visit: Visit, row: Row, choice: Choice) -> ResultContent:
+    here, words = visit.here, visit.words
     if row.kind is None:
         return ResultContent(None, words.say("result.of_no_kind"), HTTPStatus.NOT_FOUND)
     robot = (await here.sessions.setup(row.origin.record.id)).cell.robot.name
     models = tuple(await models_of(here, robot)) if row.kind.judges else ()
     try:
         report = await row.kind.report(here, row.origin, choice, words)
-        return ResultContent(await asyncio.to_thread(report.content), models=models)
+        # All that the content follows from: a session under way has another report after each reading.
+        of = f"result {hashlib.sha256(pickle.dumps(report)).hexdigest()}"
+        content = await render_part(visit, of, lambda: asyncio.to_thread(report.content), whole=True)
+        return ResultContent(content, models=models)
     except TrueposeError as error:
         return ResultContent(None, words.spoken(text_of(error)), status_of(error), models)
 
