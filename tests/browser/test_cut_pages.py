@@ -19,7 +19,7 @@ def test_a_job_is_followed_to_its_end_whatever_is_cut_meanwhile(service, chromiu
 
         page.locator("#iso9283").get_by_role("button", name="Plan test").click()
 
-        expect(page.locator("#state")).to_have_text("planned", timeout=20_000)
+        expect(page.locator("#state")).to_have_text("planned")
 
 
 def test_a_page_of_a_gateway_is_no_answer_to_files(service, chromium, tmp_path):

@@ -35,7 +35,7 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     expect(tablet.locator("#question")).to_contain_text("Is the cell clear")
     tablet.get_by_role("button", name="The cell is clear").click()
 
-    expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
+    expect(tablet.locator("#state")).to_have_text("finished")
     expect(tablet.locator("main, aside").get_by_role("button", name="Abort the session")).to_have_count(0)
     expect(tablet.get_by_role("link", name="See the result")).to_be_visible()
     body = asked.value.post_data_json
@@ -132,7 +132,7 @@ def test_a_calibration_is_planned_beside_its_promise_and_identified_by_one_tap(s
     tablet.get_by_label("Your name").fill("Ada Byron")
     tablet.get_by_role("button", name="Start").click()
     tablet.get_by_role("button", name="The cell is clear").click()
-    expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
+    expect(tablet.locator("#state")).to_have_text("finished")
     made = {"id": 7, "state": "succeeded", "result_id": 4, "fraction": 1.0}
     tablet.route("**/api/v1/sessions/*/campaign", lambda route: route.fulfill(json={"id": 5}))
     tablet.route("**/api/v1/identifications", lambda route: route.fulfill(json=made))

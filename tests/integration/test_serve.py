@@ -225,7 +225,7 @@ def test_more_silent_connections_than_there_are_descriptors_keep_nobody_out_and_
         url = url_of(service)
         address = ("127.0.0.1", int(url.rpartition(":")[2]))
         for _ in range(300):
-            crowd.enter_context(socket.create_connection(address, timeout=10))
+            crowd.enter_context(socket.create_connection(address, timeout=60))
         answers = [get(f"{url}/health").status_code for _ in range(5)]
         time.sleep(1.5 * ACCEPT_RETRY_DELAY)  # asyncio complains of a listener that is closed before
         err = assert_ends_in_order(service, url, database_url, signal.SIGINT)
@@ -236,7 +236,7 @@ def test_more_silent_connections_than_there_are_descriptors_keep_nobody_out_and_
 
 def test_an_open_stream_does_not_hold_up_the_end(service, database_url):
     url = url_of(service)
-    with httpx.stream("GET", f"{url}/api/v1/events", timeout=10) as stream:
+    with httpx.stream("GET", f"{url}/api/v1/events", timeout=60) as stream:
         lines = stream.iter_lines()
         next(lines)
         err = assert_ends_in_order(service, url, database_url, signal.SIGTERM)

@@ -139,7 +139,7 @@ async def test_cancelling_kills_the_process(task):
     await asyncio.sleep(0.2)  # in which pipes fill
     work.cancel()
     with pytest.raises(asyncio.CancelledError):
-        await asyncio.wait_for(work, 10)
+        await asyncio.wait_for(work, 60)
 
     with pytest.raises(ProcessLookupError):
         os.kill(process_id, 0)

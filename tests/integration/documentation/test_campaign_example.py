@@ -28,7 +28,7 @@ def _truepose(*arguments, cwd):
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=180,
     )
 
 

@@ -207,7 +207,7 @@ def test_a_shell_is_told_how_a_word_may_end(typed, offered):
     asked = {"_TRUEPOSE_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(words)}
 
     done = subprocess.run(
-        [str(TRUEPOSE)], env={**os.environ, **asked}, capture_output=True, text=True, timeout=60, check=False
+        [str(TRUEPOSE)], env={**os.environ, **asked}, capture_output=True, text=True, timeout=180, check=False
     )
 
     assert done.stdout.split() == [offered]
@@ -240,7 +240,7 @@ def test_a_simulated_cell_ends_with_the_command_that_started_it():
         with socket.create_connection((first["host"], first["port"]), timeout=5):
             pass
         process.terminate()
-        process.wait(timeout=20)
+        process.wait(timeout=60)
 
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection((first["host"], first["port"]), timeout=5)

@@ -25,7 +25,7 @@ from truepose.storage.integrity.verification import verify_left_at
 from truepose.storage.ledger.entries import LedgerRepository
 
 pytestmark = pytest.mark.engine("postgresql")
-PATIENCE_S = 30
+PATIENCE_S = 120
 
 
 async def _as_soon_as_it_is_free(database_url):

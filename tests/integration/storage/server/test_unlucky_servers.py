@@ -14,7 +14,7 @@ from truepose.storage.errors import ServerAwayError, ServerRefusedError
 from truepose.storage.integrity.verification import verify_left_at
 
 pytestmark = pytest.mark.engine("postgresql")
-PATIENCE_S = 30
+PATIENCE_S = 120
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from truepose.web.api import events as streams
 async def client(settings, bench):
     """A client over a socket: the test transport of ASGI waits for the end of a reply."""
     with listening(create_app(settings, bench.registry())) as url:
-        async with httpx.AsyncClient(base_url=url, timeout=10) as opened:
+        async with httpx.AsyncClient(base_url=url, timeout=60) as opened:
             yield opened
 
 

@@ -146,6 +146,8 @@ class SessionPage extends Page {
     this.sound.play("stored");
     this.#connection.read(length_mm);
     this.model.storedNow = true;
+    clearTimeout(this.#speaking?.timer); // a state that was about to be spoken waits, so that this is heard
+    this.#speaking = null;
     this.speak(this.texts.say("stored.spoken"));
     setTimeout(() => {
       this.model.storedNow = false;
