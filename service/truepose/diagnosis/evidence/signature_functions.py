@@ -22,12 +22,12 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 
 from truepose.diagnosis.screening.candidates import Pool
 from truepose.diagnosis.screening.normal_equations import NormalEquations, Sums
 from truepose.diagnosis.screening.selection import names_of
-from truepose.diagnosis.screening.significance import Function, most_likely
+from truepose.diagnosis.screening.significance import Function, most_likely, most_likely_of
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import signature_of
@@ -50,7 +50,7 @@ class _Cell:
     rows: IntArray  # (k,) their columns in the pool
 
 
-class _Size(NamedTuple):
+class CellSize(NamedTuple):
     """How large a cell is, past others."""
 
     gain: float  # of twice the log likelihood
@@ -59,7 +59,7 @@ class _Size(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class _Products:
+class CellProducts:
     """Products past what is fitted, of all K columns scaled to their widths; each cell is a run of them.
 
     Attributes
@@ -79,7 +79,7 @@ class _Products:
     sums: Sums
     runs: tuple[IntArray, ...]
 
-    def sizes(self, cells: Sequence[int], past: Mapping[int, _Size]) -> dict[int, _Size]:
+    def sizes(self, cells: Sequence[int], past: Mapping[int, CellSize]) -> dict[int, CellSize]:
         """Return the most likely sizes of cells, each alone past some others and no wider than its prior.
 
         With L L^T = G_hh + diag(precision) of the cells h that are held, a cell c keeps G_cc - A^T A and
@@ -89,37 +89,86 @@ class _Products:
         ----------
         cells : sequence of int
             Those to be sized.
-        past : mapping of int to _Size
-            Cells that are in, with their sizes.
+        past : mapping of int to CellSize
+            Cells that are in, with their sizes; none of them is sized.
 
         Returns
         -------
-        dict of int to _Size
+        dict of int to CellSize
         """
-        rows = np.concatenate([_NO_ROWS, *(self.runs[cell] for cell in past)])
-        added = [np.full(len(self.runs[cell]), size.precision) for cell, size in past.items()]
-        root = cholesky(
-            self.gram[np.ix_(rows, rows)] + np.diag(np.concatenate([np.zeros(0), *added])), lower=True
-        )
+        rows, precision = self._held(past)
+        root = cholesky(self.gram[np.ix_(rows, rows)] + np.diag(precision), lower=True)
         taken = solve_triangular(root, self.towards[rows], lower=True)
-        # Rounding may bring a sum of squares to 0 or below; its logarithm is taken next.
-        left = max(self.sums.residual_square - float(taken @ taken), 1e-300)
-        sums = replace(self.sums, residual_square=left)
-        found = {}
-        for cell in cells:
-            run = self.runs[cell]
-            absorbed = solve_triangular(root, self.gram[np.ix_(rows, run)], lower=True)
-            gram = self.gram[np.ix_(run, run)] - absorbed.T @ absorbed
-            towards = self.towards[run] - absorbed.T @ taken
-            found[cell] = _sized(most_likely(gram, towards, sums, widest=1.0), sums)
+        sums = self._left(float(taken @ taken))
+        found = dict[int, CellSize]()
+        # Cells of one number of columns together: most of the time went into asking for each by itself.
+        for count in sorted({len(self.runs[cell]) for cell in cells}):
+            alike = [cell for cell in cells if len(self.runs[cell]) == count]
+            runs = np.stack([self.runs[cell] for cell in alike])
+            absorbed = solve_triangular(root, self.gram[np.ix_(rows, runs.ravel())], lower=True)
+            each = absorbed.T.reshape(len(alike), count, len(rows))
+            grams = self.gram[runs[:, :, None], runs[:, None, :]] - each @ np.swapaxes(each, 1, 2)
+            functions = most_likely_of(grams, self.towards[runs] - each @ taken, sums, widest=1.0)
+            found |= {cell: _sized(one, sums) for cell, one in zip(alike, functions, strict=True)}
         return found
 
+    def sized_anew(self, held: Mapping[int, CellSize]) -> dict[int, CellSize]:
+        """Return the cells that are in, each sized past the others, but for those that gain too little.
 
-def _sized(function: Function, sums: Sums) -> _Size:
+        With S = (G_hh + D)^-1 of all that are in and m = S b_h, a cell c keeps past the others S_cc^-1 - D_c
+        and S_cc^-1 m_c, and its D is exchanged by a change of S of its rank (M. A. Woodbury, 1950).
+
+        Parameters
+        ----------
+        held : mapping of int to CellSize
+
+        Returns
+        -------
+        dict of int to CellSize
+        """
+        rows, precision = self._held(held)
+        inverse = cho_solve(cho_factor(self.gram[np.ix_(rows, rows)] + np.diag(precision)), np.eye(len(rows)))
+        towards, now, first = self.towards[rows], dict(held), 0
+        for cell, size in held.items():
+            own = slice(first, first + len(self.runs[cell]))
+            first = own.stop
+            across, mean = inverse[:, own], inverse[own] @ towards
+            past = np.linalg.inv(inverse[own, own])
+            past = 0.5 * (past + past.T)
+            # Where all cells together take everything, what is left past the others is what this one takes.
+            least = self._left(float(towards @ inverse @ towards)).residual_square
+            sums = replace(self.sums, residual_square=least + max(float(mean @ past @ mean), 0.0))
+            gram = past - size.precision * np.eye(len(past))
+            found = _sized(most_likely(gram, past @ mean, sums, widest=1.0), sums)
+            # Half the gain of entry is enough to stay. With one threshold a cell at the limit would come in
+            # and go out in turns until all rounds are used up.
+            if found.gain >= _LEAST_GAIN / 2.0:
+                now[cell] = found
+                changed = found.precision - size.precision
+                step = changed * np.linalg.inv(np.eye(len(past)) + changed * inverse[own, own])
+            else:
+                del now[cell]
+                step = past
+            inverse = inverse - across @ step @ across.T
+        return now
+
+    def _held(self, held: Mapping[int, CellSize]) -> tuple[IntArray, FloatArray]:
+        """Return the rows of cells that are in, and the precision of each."""
+        rows = np.concatenate([_NO_ROWS, *(self.runs[cell] for cell in held)])
+        added = [np.full(len(self.runs[cell]), size.precision) for cell, size in held.items()]
+        return rows, np.concatenate([np.zeros(0), *added])
+
+    def _left(self, taken: float) -> Sums:
+        """Return the sums of the residuals without what is taken of their square."""
+        # Rounding may bring a sum of squares to 0 or below; its logarithm is taken next.
+        return replace(self.sums, residual_square=max(self.sums.residual_square - taken, 1e-300))
+
+
+def _sized(function: Function, sums: Sums) -> CellSize:
     """Return the size of a function; its precision is the noise's variance over the square of its width."""
     noise = (sums.residual_square - function.explained) / max(sums.degrees, 1.0)
     precision = noise / function.width**2 if function.width > 0.0 else np.inf
-    return _Size(function.gain, function.width, precision)
+    return CellSize(function.gain, function.width, precision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +264,7 @@ def _believed(candidate: Candidate, wave: bool) -> Candidate:
     return candidate._replace(specs=specs)
 
 
-def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _Products:
+def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> CellProducts:
     """Return the products of all cells past a model that is fitted without some parameters."""
     view = pool.view(without)
     rows = np.concatenate([cell.rows for cell in cells])
@@ -229,12 +278,12 @@ def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _
     # the Cholesky factor of those that are in from failing.
     own = columns @ columns.T
     gram = own - absorbed @ absorbed.T + _ROUNDING * np.diag(np.diag(own))
-    return _Products(gram, view.towards[rows] * widths, view.sums, runs)
+    return CellProducts(gram, view.towards[rows] * widths, view.sums, runs)
 
 
-def _sizes(products: _Products) -> dict[int, float]:
+def _sizes(products: CellProducts) -> dict[int, float]:
     """Return the width of every cell that the data ask for, over what is believed of it."""
-    held: dict[int, _Size] = {}
+    held: dict[int, CellSize] = {}
     for _ in range(_MOST_CELLS):
         others = [cell for cell in range(len(products.runs)) if cell not in held]
         sizes = products.sizes(others, held)
@@ -243,18 +292,5 @@ def _sizes(products: _Products) -> dict[int, float]:
             break
         held[best] = sizes[best]
         for _ in range(_SWEEPS):
-            held = _sized_anew(products, held)
+            held = products.sized_anew(held)
     return {cell: size.width for cell, size in held.items()}
-
-
-def _sized_anew(products: _Products, held: dict[int, _Size]) -> dict[int, _Size]:
-    """Return the cells that are in, each sized past the others; one that gains too little goes out."""
-    now = dict(held)
-    for cell in held:
-        del now[cell]
-        # Half the gain of entry is enough to stay. With one threshold a cell at the limit would come in and
-        # go out in turns until all rounds are used up.
-        size = products.sizes((cell,), now)[cell]
-        if size.gain >= _LEAST_GAIN / 2.0:
-            now[cell] = size
-    return now

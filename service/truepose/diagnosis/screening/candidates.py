@@ -8,7 +8,7 @@ the model itself without some of its readings.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -202,6 +202,8 @@ class Pool:
         Those that are no functions, by their number of parameters.
     functions : tuple of int
         Which candidates are functions.
+    owners : mapping of str to sequence of int
+        Which candidates have a parameter of that name.
     normal : NormalEquations
         Of the fitted model, and of what was fitted beside it since.
     fit : RobustFit
@@ -216,6 +218,7 @@ class Pool:
     grams: tuple[FloatArray, ...]
     alike: tuple[EqualCandidates, ...]
     functions: tuple[int, ...]
+    owners: Mapping[str, Sequence[int]]
     normal: NormalEquations
     fit: RobustFit
 
@@ -346,6 +349,11 @@ class View:
     fitted: frozenset[str]
 
     @property
+    def taken(self) -> set[int]:
+        """Candidates of which some parameter is fitted."""
+        return {index for name in self.fitted for index in self.pool.owners.get(name, ())}
+
+    @property
     def parameters(self) -> int:
         """Number of parameters that are fitted."""
         return int(self.absorbed.shape[1])
@@ -396,17 +404,19 @@ def _assembled(
         for count in np.unique(sizes[~function]).tolist()
     )
     functions = tuple(np.flatnonzero(function).tolist())
-    return Pool(candidates, *counted, products, tuple(starts.tolist()), grams, alike, functions, *model)
+    owners: dict[str, list[int]] = {}
+    for index, candidate in enumerate(candidates):
+        for name in candidate.names:
+            owners.setdefault(name, []).append(index)
+    return Pool(
+        candidates, *counted, products, tuple(starts.tolist()), grams, alike, functions, owners, *model
+    )
 
 
 def _grams(candidates: Sequence[Candidate], columns: FloatArray) -> tuple[FloatArray, ...]:
     """Return the products among the columns (K, m) of each candidate, shape (k, k) each."""
-    grams, first = [], 0
-    for candidate in candidates:
-        own = columns[first : first + len(candidate.specs)]
-        grams.append(own @ own.T)
-        first += len(candidate.specs)
-    return tuple(grams)
+    ends = np.cumsum([len(candidate.specs) for candidate in candidates], dtype=int)
+    return tuple(own @ own.T for own in np.split(columns, ends)[:-1])
 
 
 def _counted(candidates: Sequence[Candidate]) -> tuple[FloatArray, FloatArray]:

@@ -210,7 +210,7 @@ def _grown(pool: Pool, picks: dict[int, Candidate], refuted: set[int]) -> tuple[
     while True:
         view = pool.view()
         screened = screen(view)
-        screened.score[[*refuted, *_fitted(view)]] = -np.inf  # rounding leaves a little of what is fitted
+        screened.score[[*(refuted | view.taken)]] = -np.inf  # rounding leaves a little of what is fitted
         best = best_of(screened)
         if best is None:
             return pool, False
@@ -219,11 +219,6 @@ def _grown(pool: Pool, picks: dict[int, Candidate], refuted: set[int]) -> tuple[
         for index, pick in _parts_or_whole(view, screened, best).items():
             picks[index] = pick
             pool = pool.beside(index, pick)
-
-
-def _fitted(view: View) -> list[int]:
-    """Return the candidates of which some parameter is fitted."""
-    return [k for k, candidate in enumerate(view.pool.all) if not view.fitted.isdisjoint(candidate.names)]
 
 
 def _parts_or_whole(view: View, screened: Screening, best: int) -> dict[int, Candidate]:

@@ -166,25 +166,48 @@ def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums, widest: float
     Function
         The best of a grid of 61 sizes, six steps a power of ten of the variance; its gain may be negative.
     """
-    sizes, axes = np.linalg.eigh(gram)
-    seen = sizes > _SEEN * max(float(sizes.max(initial=0.0)), 1e-300)
-    if not seen.any():
-        return _NOTHING
-    sizes = sizes[seen]
-    along = (axes[:, seen].T @ towards) ** 2 / sizes
-    ratios = _RATIOS[:, None] / float(sizes.max())
-    shrunk = ratios * sizes / (1.0 + ratios * sizes)
+    return most_likely_of(gram[None], towards[None], sums, widest)[0]
+
+
+def most_likely_of(
+    grams: FloatArray, towards: FloatArray, sums: Sums, widest: float = np.inf
+) -> list[Function]:
+    """Fit C random functions of k parameters, each by itself, as `most_likely` does.
+
+    Parameters
+    ----------
+    grams : ndarray, shape (C, k, k)
+    towards : ndarray, shape (C, k)
+    sums : Sums
+    widest : float
+
+    Returns
+    -------
+    list of Function
+    """
+    sizes, axes = np.linalg.eigh(grams)
+    seen = sizes > _SEEN * np.maximum(sizes.max(axis=1, initial=0.0, keepdims=True), 1e-300)
+    within = np.einsum("cij,ci->cj", axes, towards) ** 2
+    sizes, along = np.where(seen, sizes, 0.0), np.where(seen, within / np.where(seen, sizes, 1.0), 0.0)
+    largest = sizes.max(axis=1, initial=0.0, keepdims=True)
+    ratios = _RATIOS / np.where(largest > 0.0, largest, 1.0)
+    scaled = ratios[:, :, None] * sizes[:, None, :]
+    shrunk = scaled / (1.0 + scaled)
     # Rounding may explain a little more than there is; nothing would be left to take the logarithm of.
-    explained = np.minimum(shrunk @ along, (1.0 - 1e-9) * sums.residual_square)
+    most = (1.0 - 1e-9) * sums.residual_square
+    explained = np.minimum((shrunk @ along[:, :, None])[:, :, 0], most)
     left = sums.residual_square - explained
     # Readings that repeat one another count once; what the function costs does not depend on how many there
     # are.
-    gain = sums.degrees / sums.alike * np.log(sums.residual_square / left)
-    gain -= np.log1p(ratios * sizes).sum(axis=1)
-    widths = np.sqrt(ratios[:, 0] * left / max(sums.degrees, 1.0))
+    gain = sums.degrees / sums.alike * np.log(sums.residual_square / left) - np.log1p(scaled).sum(axis=2)
+    widths = np.sqrt(ratios * left / max(sums.degrees, 1.0))
     # The smallest ratio stays even where it is too wide: argmax over nothing but -inf takes the first.
-    best = int(np.argmax(np.where(widths <= widest, gain, -np.inf)))
-    return Function(float(widths[best]), float(gain[best]), float(explained[best]), float(shrunk[best].sum()))
+    best = np.argmax(np.where(widths <= widest, gain, -np.inf), axis=1)
+    at = np.arange(len(grams)), best
+    told = np.stack([widths[at], gain[at], explained[at], shrunk[at].sum(axis=1)], axis=1).tolist()
+    return [
+        Function(*one) if any_seen else _NOTHING for one, any_seen in zip(told, seen.any(axis=1), strict=True)
+    ]
 
 
 def chance(gram: FloatArray, towards: FloatArray, sums: Sums) -> float:

@@ -6,8 +6,9 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import everything, make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
-from truepose.diagnosis.evidence.signature_functions import signatures_in_data
+from truepose.diagnosis.evidence.signature_functions import CellProducts, CellSize, signatures_in_data
 from truepose.diagnosis.screening.candidates import pool_candidates
+from truepose.diagnosis.screening.normal_equations import Sums
 from truepose.diagnosis.screening.significance import most_likely
 from truepose.effects.signatures import signature_of
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -118,3 +119,43 @@ def test_nothing_proposed_is_nothing_described(wavy):
 
     assert found.candidates == ()
     assert found.rows.size == 0
+
+
+def make_cells(sizes, n=300, seed=5):
+    """Products of cells of so many columns, of which the first two are in the residuals."""
+    rng = np.random.default_rng(seed)
+    columns = 0.2 * rng.standard_normal((sum(sizes), n))
+    columns[-1] = columns[0] + 1e-3 * columns[-1]  # the last cell is nearly a part of the first
+    residual = rng.standard_normal(n) + np.full(sum(sizes[:2]), 3.0) @ columns[: sum(sizes[:2])]
+    ends = np.cumsum(sizes)
+    runs = tuple(np.arange(end - size, end) for size, end in zip(sizes, ends, strict=True))
+    sums = Sums(float(residual @ residual), float(n), float(n), 1.0)
+    return CellProducts(columns @ columns.T, columns @ residual, sums, runs)
+
+
+def test_cells_sized_together_are_sized_as_each_by_itself():
+    cells = make_cells((3, 1, 2, 3, 1))
+    held = {1: CellSize(10.0, 0.5, 4.0)}
+
+    together = cells.sizes((0, 2, 3, 4), held)
+
+    for cell, size in together.items():
+        assert size == pytest.approx(cells.sizes((cell,), held)[cell], rel=1e-9)
+
+
+def test_cells_sized_anew_are_each_sized_past_the_others_and_what_gains_too_little_goes_out():
+    cells = make_cells((3, 1, 2, 3, 1))
+    held = {cell: CellSize(10.0, 0.5, 4.0) for cell in range(5)}
+
+    by_hand = dict(held)
+    for cell in held:
+        del by_hand[cell]
+        size = cells.sizes((cell,), by_hand)[cell]
+        if size.gain >= 2.0:
+            by_hand[cell] = size
+    found = cells.sized_anew(held)
+
+    assert {0, 1} <= found.keys() < held.keys()
+    assert found.keys() == by_hand.keys()
+    for cell, size in found.items():
+        assert size == pytest.approx(by_hand[cell], rel=1e-6)
