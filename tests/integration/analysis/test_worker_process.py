@@ -105,7 +105,7 @@ async def test_the_answer_comes_back_with_the_progress_on_the_way():
     [
         (Fail(ConfigurationError("No row 3.")), TaskRefusedError, r"^No row 3\.$"),
         (Fail(ZeroDivisionError("by 0")), TaskRefusedError, rf"{FAULT} \(ZeroDivisionError: by 0\)"),
-        (AnswerOfNoModule(), TaskRefusedError, rf"{FAULT} \(.*pickle"),
+        (AnswerOfNoModule(), TaskRefusedError, rf"{FAULT} \(.*local object"),
         (Die(7), WorkerDiedError, "status 7 before it answered; its last message was: last words"),
     ],
     ids=["refused", "a fault of the program", "an answer that cannot travel", "dead"],
