@@ -6,6 +6,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
+from tests.browser.pages.looks import Traffic
+
 _PAGE = b"<!doctype html><title>evil</title><iframe name=framed></iframe>"
 _ATTACKS = """async (base) => {
   const url = `${base}/api/v1/sessions/1/commands`;
@@ -109,10 +111,11 @@ def unbroken_policy(page):
 )
 def test_our_own_pages_break_none_of_their_rules(chromium, service, path):
     with chromium.one(service.url) as page, unbroken_policy(page):
+        traffic = Traffic(page)
         page.goto(service.url + path)
-        page.evaluate("document.fonts.ready")
-        page.evaluate("new Promise((painted) => requestAnimationFrame(() => requestAnimationFrame(painted)))")
+        traffic.settled()
 
         assert page.evaluate("getComputedStyle(document.body).fontFamily")
         assert page.evaluate("[...document.styleSheets].every((sheet) => sheet.cssRules.length > 0)")
         assert page.evaluate("document.styleSheets.length") > 0
+        traffic.close()
