@@ -137,7 +137,7 @@ def test_a_bar_that_was_not_moved_is_told_of(desk, tablet):
     desk.sample = sample(stable=1.0)
 
     expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
-    expect(tablet.locator("#advice")).to_contain_text("seems to be where it was")
+    expect(tablet.locator("#advice")).to_contain_text("seems to be where it was", timeout=4000)
     desk.show(step=leg(3, 1))
     expect(tablet.locator("#advice")).to_have_text("Hands off: the length is stored automatically")
 
@@ -214,6 +214,17 @@ def test_a_state_is_spoken_once_it_has_lasted(desk, tablet):
     in_state(tablet, desk, "unstable")
     time.sleep(0.3)
     expect(tablet.locator("#spoken")).to_have_text("Unstable")
+
+
+def test_a_state_that_was_spoken_is_not_said_again_after_stored(desk, tablet):
+    in_state(tablet, desk, "unstable")
+    expect(tablet.locator("#spoken")).to_have_text("Unstable")
+
+    desk.show(last_outcome={"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.86, "text": ""})
+
+    expect(tablet.locator("#spoken")).to_have_text("Stored")
+    tablet.wait_for_timeout(1500)
+    expect(tablet.locator("#spoken")).to_have_text("Stored")
 
 
 def test_a_number_is_on_the_screen_as_soon_as_it_has_arrived(desk, tablet):

@@ -146,8 +146,10 @@ class SessionPage extends Page {
     this.sound.play("stored");
     this.#connection.read(length_mm);
     this.model.storedNow = true;
-    clearTimeout(this.#speaking?.timer); // a state that was about to be spoken waits, so that this is heard
-    this.#speaking = null;
+    if (this.#speaking?.timer) { // a state that was about to be spoken waits, so that this is heard
+      clearTimeout(this.#speaking.timer);
+      this.#speaking = null;
+    }
     this.speak(this.texts.say("stored.spoken"));
     setTimeout(() => {
       this.model.storedNow = false;
@@ -203,7 +205,10 @@ class SessionPage extends Page {
   #speakState(state) {
     if (state === this.#speaking?.state) return;
     clearTimeout(this.#speaking?.timer);
-    const timer = setTimeout(() => this.speak(this.gauge.word(state)), SPOKEN_MS);
+    const timer = setTimeout(() => {
+      this.#speaking.timer = null;
+      this.speak(this.gauge.word(state));
+    }, SPOKEN_MS);
     this.#speaking = { state, timer };
   }
 
