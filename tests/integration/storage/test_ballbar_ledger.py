@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import text
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
-from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
@@ -76,7 +76,7 @@ async def test_an_entry_comes_back_as_it_was_written(ledger, session_id):
     assert [record.id for record in kept] == numbers == sorted(numbers)
 
 
-async def test_people_answer_for_lengths_and_not_for_motions_or_results(ledger, session_id):
+async def test_entries_of_some_kinds_are_none_of_the_others(ledger, session_id):
     length = measured("placement-1/pose-1/leg-1-1", person="Ada", tablet="t1", key="k1")
     for entry in (
         length,
@@ -85,7 +85,21 @@ async def test_people_answer_for_lengths_and_not_for_motions_or_results(ledger, 
     ):
         await ledger.append(session_id, entry)
 
-    assert [record.entry for record in await ledger.answered_for(session_id)] == [length]
+    assert [one.entry for one in await ledger.of_kinds(session_id, (EntryKind.MEASURED,))] == [length]
+
+
+async def test_entries_of_some_kinds_are_no_readings_of_a_tracker(ledger, sessions):
+    number = await sessions.add("second", make_setup(), make_plan())
+    skipped_by_ada = LedgerEntry("configuration-2", EntryKind.SKIPPED, 90.0, "Ada", text="hits the door")
+    for entry in (
+        LedgerEntry("configuration-1", EntryKind.MEASURED, 80.0, point=make_point()),
+        skipped_by_ada,
+    ):
+        await ledger.append(number, entry)
+
+    told = await ledger.of_kinds(number, (EntryKind.MEASURED, EntryKind.SKIPPED))
+
+    assert [one.entry for one in told] == [skipped_by_ada]
 
 
 async def test_a_repeated_key_returns_the_earlier_entry_and_changes_nothing(ledger, session_id):

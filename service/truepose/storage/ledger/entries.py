@@ -5,7 +5,7 @@ too. Only readings of a tracker have rows of their own (`tracker_readings`), to 
 one refers.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -63,15 +63,6 @@ def line_document(entry: LedgerEntry) -> dict[str, Any]:
     return {name: value for name, value in told.items() if value not in (None, [], "") or name == "step_id"}
 
 
-# A session of a thousand configurations has five thousand entries of which its record names ten.
-_ANSWERED_FOR: Final = (
-    EntryKind.CONFIRMED,
-    EntryKind.MEASURED,
-    EntryKind.SKIPPED,
-    EntryKind.REOPENED,
-    EntryKind.ANSWERED,
-    EntryKind.CONTROL,
-)
 # Asked at every line: made once, it takes a fifth of the time.
 _ROLE: Final = select(sessions.c.role).where(sessions.c.id == bindparam("session_id"))
 
@@ -101,10 +92,10 @@ class LedgerRepository(Repository):
         query = _records_of(session_id).order_by(session_entries.c.id)
         return await self._each(query, _record)
 
-    async def answered_for(self, session_id: int) -> list[LedgerRecord]:
-        """Return the entries of a session that people answer for, oldest first: none of a tracker."""
+    async def of_kinds(self, session_id: int, kinds: Collection[EntryKind]) -> list[LedgerRecord]:
+        """Return the entries of some kinds, oldest first, but for those that are a tracker's readings."""
         entry = session_entries.c
-        query = _records_of(session_id).where(entry.kind.in_(_ANSWERED_FOR), entry.reading_id.is_(None))
+        query = _records_of(session_id).where(entry.kind.in_(kinds), entry.reading_id.is_(None))
         return await self._each(query.order_by(entry.id), _record)
 
     async def of_session(self, session_id: int) -> "SessionLedger":

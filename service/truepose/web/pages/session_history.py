@@ -26,6 +26,15 @@ if TYPE_CHECKING:
 
 Told: TypeAlias = tuple[str, str, Text]  # recorded at, person, what
 _AWAITS, _RUNS = SessionState.AWAITING_CONFIRMATION, SessionState.RUNNING
+# What `_what` and `_counted` tell of. A session of a thousand configurations has thousands of other entries.
+_ANSWERED_FOR: Final = (
+    EntryKind.CONFIRMED,
+    EntryKind.MEASURED,
+    EntryKind.SKIPPED,
+    EntryKind.REOPENED,
+    EntryKind.ANSWERED,
+    EntryKind.CONTROL,
+)
 _DEVICES: Final = {"tracker": "laser tracker", "robot": "robot controller", "ballbar": "ballbar"}
 
 
@@ -46,7 +55,7 @@ async def acts_of_session(here: Context, number: int, words: Catalogue) -> "list
         OnRecord(
             number,
             await here.sessions.states(number),
-            await here.session_desk.ledger.answered_for(number),
+            await here.session_desk.ledger.of_kinds(number, _ANSWERED_FOR),
             await here.sessions.additions(number),
             await _authority(here, number),
         ),
