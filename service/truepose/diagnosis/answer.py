@@ -44,6 +44,7 @@ from truepose.diagnosis.evidence.signature_functions import signatures_in_data
 from truepose.diagnosis.next_measurements import next_measurements
 from truepose.diagnosis.reading_faults import shared_properties
 from truepose.diagnosis.reading_findings import readings_found
+from truepose.diagnosis.scatter import ScatterModel, telling_scatter
 from truepose.diagnosis.screening.refinement import with_known_orders
 from truepose.diagnosis.screening.selection import Choice, Propose, Selection, names_of, refit_picks
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
@@ -125,7 +126,7 @@ def assemble_answer(
     propose: Propose,
     without: tuple[str, ...],
     tell: Tell,
-) -> Diagnosis:
+) -> tuple[Diagnosis, ScatterModel | None]:
     """Put everything that a diagnosis found together.
 
     Parameters
@@ -145,6 +146,8 @@ def assemble_answer(
     Returns
     -------
     Diagnosis
+    ScatterModel or None
+        On what the scatter of the readings depends beside all that.
     """
     judging = CrossValidation(first)
     tested, withdrawn = standing(start, selected, judging, propose, without)
@@ -167,9 +170,8 @@ def assemble_answer(
     )
     scene = scene_of(start.problem, tested.selected.fit)
     unseen = unseen_of(start, tested.selected)
-    return _told(
-        _Answer(start, replace(tested, left=left), whole, judged, folds, scene, unseen), withdrawn, without
-    )
+    answer = _Answer(start, replace(tested, left=left), whole, judged, folds, scene, unseen)
+    return _told(answer, withdrawn, without), telling_scatter(answer.end, start.campaign)
 
 
 def _whole(start: Start, tested: SelectionTests, judging: CrossValidation) -> CompleteModel | None:

@@ -10,9 +10,11 @@ from dataclasses import replace
 
 from truepose.diagnosis.answer import assemble_answer, unanswerable
 from truepose.diagnosis.baseline_fit import Start, fit_baseline, scene_of, stands
+from truepose.diagnosis.scatter import ScatterModel, with_scatter
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.refinement import with_exact_moments, with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
+from truepose.diagnosis.sentences import with_scatter_told
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.last_moves import with_last_moves
@@ -24,6 +26,8 @@ from truepose.identification.verdict.outliers import with_set_aside, within_reac
 from truepose.messages.message import Text, message, together
 
 Progress = Callable[[float, Text], None]
+
+_FALSE_DEPENDENCES = 1  # that noise which is larger somewhere brought about, of 18 drawn campaigns in one
 
 
 def diagnose(
@@ -65,12 +69,29 @@ def diagnose(
 def _diagnosed(
     campaign: Campaign, effects: tuple[str, ...] | None, tell: Progress, without: tuple[str, ...]
 ) -> Diagnosis:
+    """Diagnose, and again with readings as uncertain as they scatter where that depends on something."""
+    answer, scatter = _as_stated(campaign, effects, tell, without)
+    # What a model lacks is larger at some readings than at others too. Where much is left without a name, its
+    # size says nothing of the noise.
+    if scatter is None or len(answer.remaining.depends_on) > _FALSE_DEPENDENCES:
+        return answer
+    # Where readings far away scatter three times as much, they hide causes, and are taken for outliers.
+    weighed, _ = _as_stated(with_scatter(campaign, scatter), effects, _silent, without)
+    # Believed only where nothing is left with it: elsewhere the scatter may be what the model lacks.
+    if weighed.noise is None or weighed.remaining.structure:
+        return answer
+    return with_scatter_told(weighed, scatter.told)
+
+
+def _as_stated(
+    campaign: Campaign, effects: tuple[str, ...] | None, tell: Progress, without: tuple[str, ...]
+) -> tuple[Diagnosis, ScatterModel | None]:
     tell(0.02, message("job.doing.fitting"))
     # What no place of the arm gives leaves before anything is squared; left in, it would spoil the first fit.
     reached = within_reach(with_last_moves(campaign))
     start = fit_baseline(reached.campaign, effects, relabel=LABEL_SWAP not in without)
     if not isinstance(start, Start):
-        return unanswerable(campaign, effects or (), start)
+        return unanswerable(campaign, effects or (), start), None
 
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
         """Propose all causes again, for the model as it is fitted by now."""
@@ -88,14 +109,15 @@ def _diagnosed(
     # Too many readings fell out of the start for any model to be trusted. Only a cause that brings them back
     # (a zero that jumped, say) makes an answer possible.
     if start.doubt and not (selected.picks and stands(start, selected.fit)):
-        return unanswerable(campaign, effects or (), start.doubt)
+        return unanswerable(campaign, effects or (), start.doubt), None
     tell(0.6, message("job.doing.judging_unseen"))
-    answer = assemble_answer(start, first, selected, propose, without, tell)
-    return replace(
+    answer, scatter = assemble_answer(start, first, selected, propose, without, tell)
+    told = replace(
         answer,
         message=together(answer.message, reached.sentence),
         model=with_set_aside(answer.model, reached),
     )
+    return told, scatter
 
 
 def propose_candidates(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:

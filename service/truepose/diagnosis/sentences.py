@@ -4,9 +4,12 @@ Numerics say a key and its values, never a text (decision 0038), so that one dia
 language, also when it is read again from the archive.
 """
 
+from dataclasses import replace
+
 from truepose.diagnosis.evidence.residual_structure import Remainder
-from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
+from truepose.domain.diagnosis import Cause, Diagnosis, Finding, Noise, Remaining, Scatter, Verdict
 from truepose.domain.identification import Statistics
+from truepose.effects import motions
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.messages.message import Message, Text, leading_key, message, together
@@ -168,3 +171,47 @@ def noise_of(left: Remainder) -> Noise:
         key = "noise.heavy_tails" if left.structure else "noise.heavy_tails_alone"
         sentence = message(key, times=left.noise_scale, stated=stated, degrees=degrees)
     return Noise(left.noise_scale, degrees, sentence)
+
+
+def with_scatter_told(answer: Diagnosis, scatter: Scatter) -> Diagnosis:
+    """Return a diagnosis that says, in its first line too, on what the size of the noise depends.
+
+    Parameters
+    ----------
+    answer : Diagnosis
+        Of readings that are as uncertain as they scatter.
+    scatter : Scatter
+
+    """
+    sentence = message(
+        "noise.scatter",
+        low_mm=scatter.low_mm,
+        at_low=_place(scatter, scatter.at_low),
+        high_mm=scatter.high_mm,
+        at_high=_place(scatter, scatter.at_high),
+    )
+    noise = answer.noise and replace(
+        answer.noise, sentence=together(answer.noise.sentence, sentence), scatter=scatter
+    )
+    return replace(answer, message=together(answer.message, sentence), noise=noise)
+
+
+def _place(scatter: Scatter, value: float) -> Message:
+    """Return where the scatter is what it is: at a value of its variable."""
+    match scatter.variable:
+        case "reach":
+            return message("noise.at_reach", value_mm=value)
+        case "range":
+            return message("noise.at_range", value_mm=value)
+        case "angle":
+            return message("noise.at_angle", joint=scatter.subject, value_deg=value)
+        case "time":
+            return message("noise.at_time", time=motions.spoken(value))
+        case "temperature":
+            return message("noise.at_temperature", value_c=value)
+        case "nest":
+            return message("gathered.nest", nest=int(value))
+        case "mounting":
+            return message("gathered.mounting", mounting=int(value))
+        case "placement":
+            return message("noise.at_placement", number=int(value))

@@ -1,8 +1,9 @@
 """What a diagnosis answers: causes and findings, residual structure, what to measure next."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -207,6 +208,53 @@ class RuledOut:
     upper_limit_mm: float | None = None  # 95 %: how large it could still be, RMS at the tool; None: unseen
 
 
+ScatterVariable: TypeAlias = Literal[
+    "reach", "range", "angle", "time", "temperature", "nest", "mounting", "placement"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Scatter:
+    """Noise that is larger at some readings than at others.
+
+    Attributes
+    ----------
+    variable : ScatterVariable
+        Reach [mm] from the base, range [mm] from the instrument, angle [deg] of a joint, time [s] after
+        the first reading, temperature [deg C], or the number of a nest, mounting of the tool or placement.
+    subject : str
+        The joint of an angle, as "joint 3"; else "".
+    at_low, at_high : float
+        Where it is smallest and largest, in the unit of the variable, all but a twentieth at either end.
+    low_mm, high_mm : float
+        Standard deviation per axis there.
+    p_value : float
+        Corrected for all variables that were tried.
+    """
+
+    variable: ScatterVariable
+    subject: str
+    at_low: float
+    low_mm: float
+    at_high: float
+    high_mm: float
+    p_value: float
+
+    @property
+    def unit(self) -> str:
+        """Of the variable; "" of what is numbered."""
+        return _SCATTER_UNITS.get(self.variable, "")
+
+
+_SCATTER_UNITS: Mapping[str, str] = {
+    "reach": "mm",
+    "range": "mm",
+    "angle": "deg",
+    "time": "s",
+    "temperature": "degC",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Noise:
     """What the readings say of their own noise."""
@@ -214,6 +262,7 @@ class Noise:
     scale: float  # residual that is left over the stated uncertainty
     tail_degrees_of_freedom: float | None  # Student's t where the tails are heavy, None for normal ones
     sentence: Text
+    scatter: Scatter | None = None  # None where it is alike everywhere, and in what was stored before
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,15 @@ from typing import Annotated
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
+from truepose.domain.diagnosis import (
+    Confidence,
+    Diagnosis,
+    HeldOut,
+    HeldOutErrors,
+    ScatterVariable,
+    Shape,
+    Verdict,
+)
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.document import (
     Document,
@@ -187,6 +195,22 @@ class RuledOutDocument(Document):
     )
 
 
+class ScatterDocument(Document):
+    """Noise that is larger at some readings than at others."""
+
+    variable: ScatterVariable = Field(
+        description="reach: distance from the base; range: distance from the instrument; angle: of the joint "
+        "in `subject`; time: after the first reading; nest, mounting and placement are numbers."
+    )
+    subject: str = Field(examples=["joint 3"], description="Empty unless the variable is an angle.")
+    unit: str = Field(examples=["mm"], description="Unit of the variable; empty for numbers.")
+    at_low: Quantity = Field(description="Where the scatter is smallest.")
+    low_mm: Quantity = Field(description="Standard deviation per axis there.")
+    at_high: Quantity = Field(description="Where the scatter is largest.")
+    high_mm: Quantity = Field(description="Standard deviation per axis there.")
+    p_value: Quantity
+
+
 class NoiseDocument(Document):
     """Noise of the readings, estimated from the data."""
 
@@ -195,6 +219,9 @@ class NoiseDocument(Document):
         description="Degrees of freedom of Student's t; null for a normal distribution."
     )
     sentence: Spoken
+    scatter: ScatterDocument | None = Field(
+        None, description="On what the size of the noise depends; null if it is the same everywhere."
+    )
 
 
 class WorstDocument(Document):

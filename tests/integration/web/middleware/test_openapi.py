@@ -54,6 +54,8 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
     ratios |= {
         "tail_degrees_of_freedom",
+        "at_low",  # with `unit`
+        "at_high",
         "order",
         "gain",
         "gain_interval_95",

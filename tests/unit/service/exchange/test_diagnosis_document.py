@@ -18,7 +18,7 @@ from tests.helpers.diagnosis.answers import (
     make_unseen_points,
     make_wave,
 )
-from truepose.domain.diagnosis import EffectSize, Gain, RuledOut
+from truepose.domain.diagnosis import EffectSize, Gain, RuledOut, Scatter
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.documents import from_document, to_document
 
@@ -80,6 +80,17 @@ def test_what_is_left_says_what_it_depends_on_with_its_curve():
     assert (left["variable"], left["p_value"]) == ("angle of joint 4", 1e-4)
     assert left["curve"]["line_band"] == [0.003, 0.003]
     assert document["noise"]["tail_degrees_of_freedom"] == 4.5
+    assert document["noise"]["scatter"] is None
+
+
+def test_noise_that_depends_on_something_says_on_what_and_how_large_it_is_at_both_ends():
+    scatter = Scatter("angle", "joint 5", -40.0, 0.02, 90.0, 0.07, 1e-6)
+    noise = replace(make_diagnosis().noise, scatter=scatter)
+
+    found = printed(make_diagnosis(noise=noise))["noise"]["scatter"]
+
+    assert (found["variable"], found["subject"], found["unit"]) == ("angle", "joint 5", "deg")
+    assert (found["at_low"], found["low_mm"], found["at_high"], found["high_mm"]) == (-40.0, 0.02, 90.0, 0.07)
 
 
 def test_where_nothing_could_be_fitted_the_blocks_are_null():
