@@ -147,7 +147,7 @@ def test_a_diagnosis_calls_it_scatter_and_neither_outliers_nor_a_cause():
     answer = diagnose(campaign)
     assert (answer.verdict, answer.all_findings) == (Verdict.CONSISTENT, ())
     assert answer.noise.scatter.variable == "time"
-    assert "The scatter per axis is 0.0" in english(answer.message)
+    assert "The scatter is not uniform: the standard deviation per axis is 0.0" in english(answer.message)
     assert "after the first reading" in english(answer.noise.sentence)
     assert answer.noise.scale == pytest.approx(1.0, abs=0.25)
 
