@@ -136,10 +136,17 @@ async def serials(cell):
     return [reading["instrument_serial"] for reading in readings]
 
 
+def robot_was_late(found):
+    return found["state"] == "awaiting_confirmation" and "to report its joints" in str(found["reason"])
+
+
 async def finished_after_accepting(cell):
     accepted = await cell.command("confirm", accept_serial_number=OTHER)
     assert accepted.status_code == 200, accepted.text
-    return await cell.until("/sessions/1", lambda found: found["state"] not in {"running"})
+    # On a busy machine a robot may be held up for the 2 s after which nothing moves until somebody confirms.
+    while robot_was_late(found := await cell.until("/sessions/1", lambda found: found["state"] != "running")):
+        await cell.command("confirm")
+    return found
 
 
 async def test_a_tracker_exchanged_behind_its_address_is_questioned_before_the_next_reading(cell):
