@@ -274,12 +274,13 @@ def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]
     before = statistics(judged.errors.before_mm, judged.noise_mm)
     after = statistics(judged.errors.after_mm, judged.noise_mm)
     nominal = nominal_fit(start.problem, start.fit)
+    share = None if left.contradicted or not tested.groups else judged.named_share
     # The small ones too: a cause that has a finding is not reported as "not found".
     named = frozenset(Cause(one.effect, one.subject) for one in found)
     return Diagnosis(
         robot=start.campaign.robot.name,
         verdict=verdict,
-        message=first_line(verdict, findings, before, after, remaining),
+        message=first_line(verdict, findings, before, after, remaining, share),
         start_effects=start.effects,
         findings=findings,
         quantity=start.problem.quantity,
@@ -294,6 +295,7 @@ def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]
         errors=judged.errors,
         model=_model(answer, nominal),
         small=small,
+        named_share=share,
         nominal=statistics(nominal_errors(start.campaign, nominal), judged.noise_mm),
     )
 

@@ -24,6 +24,7 @@ def first_line(
     before: Statistics,
     after: Statistics,
     remaining: Remaining,
+    named_share: float | None,
 ) -> Text:
     """Return the one sentence that stands above everything.
 
@@ -35,6 +36,8 @@ def first_line(
     before, after : Statistics
         Of the held-out errors.
     remaining : Remaining
+    named_share : float or None
+        Of the error beyond the noise that has a name.
 
     Returns
     -------
@@ -50,7 +53,9 @@ def first_line(
     if findings[0].effect in effects_with(Trait.OF_READINGS):
         wrong = message("message.readings_wrong", sentence=findings[0].sentence)
         return together(wrong, "" if explained else remaining.sentence)
-    return together(_lacking(findings, before, after, remaining), "" if explained else _beside(remaining))
+    return together(
+        _lacking(findings, before, after, remaining), "" if explained else _beside(remaining, named_share)
+    )
 
 
 def _lacking(
@@ -69,10 +74,13 @@ def _lacking(
     )
 
 
-def _beside(remaining: Remaining) -> Text:
+def _beside(remaining: Remaining, named_share: float | None) -> Text:
     """Return what is said of the rest beside a named cause: in full where a point is far worse now."""
-    told = remaining.worse_at is not None or leading_key(remaining.sentence) == _CONTRADICTED
-    return remaining.sentence if told else message("message.something_left")
+    if remaining.worse_at is not None or leading_key(remaining.sentence) == _CONTRADICTED:
+        return remaining.sentence
+    if named_share is None:
+        return message("message.something_left")
+    return message("message.share_named", share=named_share)
 
 
 def spoken(cause: Cause) -> Message:

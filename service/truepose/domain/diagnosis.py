@@ -318,6 +318,8 @@ class Diagnosis:
     # model that is fitted already, and a calibration that halved every error read as one that did nothing.
     nominal: Statistics | None = None  # None in what was stored before it was told
     set_aside: ReadingsSetAside | None = None  # by a person; None: all readings took part
+    # Of the squared held-out error beyond the noise; None where nothing is named, or none is beyond.
+    named_share: float | None = None
 
     @property
     def all_findings(self) -> tuple[Finding, ...]:

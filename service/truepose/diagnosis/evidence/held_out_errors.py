@@ -133,6 +133,22 @@ class Improvement:
         """What all causes gain together."""
         return gain_of(self.errors.before_mm, self.errors.after_mm, self.site)
 
+    @property
+    def named_share(self) -> float | None:
+        """Share of the squared error beyond the noise that named causes take off; None where none is beyond.
+
+        Without what is described. Of d alike components the RMS of noise is sqrt(pi / 2) (d = 1) or
+        sqrt(3 pi / 8) (d = 3) times its mean norm.
+        """
+        alone = self.errors.before_mm.shape[1] == 1
+        noise_mm = self.noise_mm * np.sqrt(np.pi / 2.0 if alone else 3.0 * np.pi / 8.0)
+        gain = self.together
+        after_mm = gain.rms_after_mm if self.described is None else self.described.rms_before_mm
+        beyond = gain.rms_before_mm**2 - noise_mm**2
+        if beyond <= 0.0:
+            return None
+        return float(np.clip((gain.rms_before_mm**2 - after_mm**2) / beyond, 0.0, 1.0))
+
 
 class CrossValidation:
     """Judges extended models of one start on configurations left out of the calibration.

@@ -269,6 +269,11 @@ class DiagnosisDocument(Document):
     withdrawn: list[Spoken]
     noise: NoiseDocument | None
     set_aside: SetAside = None
+    named_share: Quantity = Field(
+        None,
+        examples=[0.91],
+        description="Share of the squared held-out error beyond the noise that the findings take off.",
+    )
 
 
 def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:

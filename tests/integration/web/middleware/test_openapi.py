@@ -60,6 +60,7 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
         "gain",
         "gain_interval_95",
         "foretold_share",
+        "named_share",
         "positive_share",
         "discrepancy_known_to",
         "times_before",

@@ -70,12 +70,14 @@ def test_the_first_line_says_where_more_than_the_finding_makes_errors_smaller():
     rest, nothing = make_rest(make_described()), make_rest()
 
     beside, alone = (
-        english(first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, left))
-        for left in (rest, nothing)
+        english(first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, left, share))
+        for left, share in ((rest, 0.914), (nothing, None))
     )
 
     assert "Including it and an empirical description of the residuals changes the mean error" in beside
     assert "Including it changes the mean error" in alone
+    assert beside.endswith("account for 91% of the error beyond the noise; the rest remains unexplained.")
+    assert alone.endswith("Part of the error remains unexplained.")
 
 
 def test_the_first_line_names_the_point_that_got_worse():
@@ -85,7 +87,9 @@ def test_the_first_line_names_the_point_that_got_worse():
     statistics = Statistics(50, 0.5, 0.5, 0.1, 1.3, 0.02)
     remaining = Remaining(True, (), told, worse)
 
-    line = english(first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, remaining))
+    line = english(
+        first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, remaining, 0.9)
+    )
 
     assert replace(left, worse_at=worse).structure
     assert "configuration 31" in line

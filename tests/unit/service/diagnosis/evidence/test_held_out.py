@@ -10,9 +10,15 @@ from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_start, select_from, started, those_of, with_unseen
 from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.evidence.cross_validation import Nested, as_found, partition
-from truepose.diagnosis.evidence.held_out_errors import CrossValidation, gain_of, on_validation
+from truepose.diagnosis.evidence.held_out_errors import (
+    CrossValidation,
+    Improvement,
+    gain_of,
+    on_validation,
+)
 from truepose.diagnosis.screening.candidates import pool_candidates
 from truepose.diagnosis.screening.selection import chosen, group_by_subject
+from truepose.domain.diagnosis import Gain, HeldOutErrors
 from truepose.identification.fit.robust import fit
 from truepose.identification.observations.poses import position_block
 
@@ -40,6 +46,28 @@ def test_the_error_of_a_point_is_that_of_its_vector():
     before, site = np.full((10, 3), 1.0), np.arange(10)
 
     assert gain_of(before, 0.0 * before, site).rms_before_mm == pytest.approx(np.sqrt(3.0))
+
+
+def _improved(before_mm, after_mm, noise_mm, components=3, described=None, n=20_000):
+    """Held-out errors of so large a standard deviation per axis, before and after."""
+    unit = np.random.default_rng(8).standard_normal((n, components))
+    errors = HeldOutErrors(np.arange(n), np.zeros((n, 3)), before_mm * unit, after_mm * unit)
+    mean = np.linalg.norm(noise_mm * unit, axis=1).mean()
+    return Improvement(errors, (), (), np.arange(n), mean, "validation", described=described)
+
+
+@pytest.mark.parametrize("components", [1, 3])
+def test_the_share_that_has_a_name_is_of_the_squared_error_beyond_the_noise(components):
+    # 5^2 - 3^2 of 5^2 - 1^2
+    assert _improved(5.0, 3.0, 1.0, components).named_share == pytest.approx(16.0 / 24.0, rel=0.01)
+    assert _improved(5.0, 1.0, 1.0, components).named_share == pytest.approx(1.0, abs=0.01)
+    assert _improved(5.0, 6.0, 1.0, components).named_share == 0.0
+
+
+def test_what_is_described_has_no_name_and_noise_needs_none():
+    described = Gain(4.0 * np.sqrt(3.0), 3.0 * np.sqrt(3.0), (0.0, 0.0))
+    assert _improved(5.0, 3.0, 1.0, described=described).named_share == pytest.approx(9.0 / 24.0, rel=0.01)
+    assert _improved(1.0, 1.0, 1.2).named_share is None
 
 
 def test_the_interval_covers_the_true_gain():
