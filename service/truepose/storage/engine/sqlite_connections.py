@@ -9,14 +9,16 @@ and the lock keeps other services off.
 
 import importlib
 import sqlite3
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 from urllib.parse import quote
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import Connection, Dialect, Engine, create_engine, event
 from sqlalchemy.exc import DatabaseError, IntegrityError
 from sqlalchemy.pool import NullPool, QueuePool
+from sqlalchemy.util import LRUCache
 
 from truepose.storage.documents import from_json
 from truepose.storage.errors import (
@@ -55,6 +57,8 @@ VERSION: Final[str] = LIBRARY.sqlite_version
 FAULTY: Final = has_wal_reset_fault(LIBRARY.sqlite_version_info)
 
 
+# Statements, for writer and readers alike: compiling one takes longer than running it.
+_COMPILED: Final = LRUCache[Any, Any](1000)
 _BUSY_TIMEOUT_MS: Final = 5000  # a checkpoint or an outside backup may hold the file this long
 
 _OF_WRITER: Final = (
@@ -101,9 +105,27 @@ def _engine(file: Path, mode: str, pool: Any) -> Engine:
         # check_same_thread is off because the pool closes from any thread.
         return LIBRARY.connect(f"file:{quote(str(file))}?mode={mode}", uri=True, check_same_thread=False)
 
-    return create_engine(
-        "sqlite://", module=LIBRARY, creator=connect, poolclass=pool, json_deserializer=from_json
+    engine = create_engine(
+        "sqlite://",
+        module=LIBRARY,
+        creator=connect,
+        poolclass=pool,
+        execution_options={"compiled_cache": _COMPILED},
     )
+    engine.dialect = _dialect()
+    return engine
+
+
+@cache
+def _dialect() -> Dialect:
+    """Return what writes statements for the library, the same for every engine of the process.
+
+    What was compiled serves an engine only where it was compiled for that very dialect.
+    """
+    # A dialect learns at its first connection what the library can do; that takes no file.
+    engine = create_engine("sqlite://", module=LIBRARY, json_deserializer=from_json)
+    with engine.connect():
+        return engine.dialect
 
 
 def _set_up_writer(connection: Any, _record: object) -> None:
