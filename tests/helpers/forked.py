@@ -49,10 +49,23 @@ async def forked(
     given = (arguments, dict(env or os.environ), cwd or os.getcwd(), start_new_session)
     _FORKS.set_forkserver_preload(_LOADED)  # of the first that is started in this process
     process = _FORKS.Process(target=_become, args=(*given, [end.of_process for end in ends]))
-    await asyncio.to_thread(process.start)
+    await _begun(process, ends)
     for end in ends:
         end.of_process.close()
     return Forked(process, *await _streams(ends, limit))
+
+
+async def _begun(process, ends):
+    """Start a process, which is ended where whoever starts it gives up meanwhile."""
+    starting = asyncio.create_task(asyncio.to_thread(process.start))
+    try:
+        await asyncio.shield(starting)
+    except asyncio.CancelledError:
+        await starting
+        process.kill()  # else this interpreter would wait for it at its own end
+        for end in ends:
+            end.close()
+        raise
 
 
 async def _streams(ends, limit):
@@ -130,6 +143,11 @@ class _Ends:
         else:
             mine = os.dup(number if asked is None else asked if isinstance(asked, int) else asked.fileno())
         self.of_process = Connection(mine)  # a descriptor that can be handed to another process
+
+    def close(self):
+        self.of_process.close()
+        if self._other is not None:
+            os.close(self._other)
 
     async def stream(self, limit):
         """Return the stream at the other end, and what closes it."""
