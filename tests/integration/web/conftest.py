@@ -9,7 +9,6 @@ from tests.helpers.machine import HANGS_S
 from tests.helpers.web.clients import client_of
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
-from truepose.analysis.job_queue.supervisor import perform_in_worker
 from truepose.analysis.job_queue.uploads import Uploads
 from truepose.app import create_app
 from truepose.settings import Settings
@@ -51,8 +50,8 @@ def settings(tmp_path, database_url, cell_text):
 
 @pytest.fixture
 def worker():
-    """Who does the jobs: processes, as in a service; modules that know the answers say who else."""
-    return perform_in_worker
+    """Who does the jobs and draws pages: this process; tests of `tests/system` have processes."""
+    return perform_here
 
 
 @pytest.fixture

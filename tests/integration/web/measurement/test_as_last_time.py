@@ -1,6 +1,5 @@
 """A plan used again: what it takes over, what is said to be different, and what is refused."""
 
-import asyncio
 import re
 
 import pytest
@@ -9,16 +8,6 @@ from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED
 from tests.integration.web.bench import CELL, session_request
 from tests.integration.web.contact_bench import WIRE
-
-
-@pytest.fixture
-def worker():
-    """Work in this process: to take a plan over is no work."""
-
-    async def here(task, told):
-        return await asyncio.to_thread(task.perform, lambda *_: None)
-
-    return here
 
 
 @pytest.fixture

@@ -4,14 +4,15 @@ import asyncio
 
 import pytest
 
-from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import session_request
+from truepose.planning.prediction import tracker
 
 
-@pytest.fixture
-def worker():
-    """In a thread: a process takes longer to start than all of this."""
-    return perform_here
+@pytest.fixture(autouse=True)
+def few_to_choose_from(monkeypatch):
+    """What is said of a promise is looked at, not how exact it is: fewer candidates, fewer places."""
+    monkeypatch.setitem(tracker.promised_session.__kwdefaults__, "n_candidates", 800)
+    monkeypatch.setattr(tracker, "VOLUME_CONFIGURATIONS", 40)
 
 
 async def test_a_cell_says_what_configurations_promise_before_anything_moves(client):

@@ -8,7 +8,6 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of
 from tests.helpers.web.clients import made
-from tests.helpers.web.performing import perform_here
 from truepose.domain.identification import NestCentre, Parameter
 from truepose.exchange.models.digest import digest_of
 from truepose.exchange.models.file import model_text
@@ -98,12 +97,6 @@ def handed_model(app, *parameters, **changes):
     document = json.loads(model_text(model)) | changes
     signed = document | {"digest": digest_of(document)}
     return PLAN | {"kind": "model", "name": "of the type", "document": signed}
-
-
-@pytest.fixture
-def worker():
-    """Does the jobs here."""
-    return perform_here
 
 
 @pytest.fixture
