@@ -90,7 +90,9 @@ def assert_asks_how(refused):
     assert "its removal was not detected" in refused.json()["detail"]
 
 
-async def test_one_that_was_switched_off_since_takes_a_reason_that_is_kept(client, bench, kind):
+async def test_one_that_was_switched_off_since_takes_a_reason_that_counts_until_it_reads_a_length(
+    client, bench, kind
+):
     await end_attached(client)
     switch_off(bench)
     path = await kind.started(client)
@@ -102,6 +104,18 @@ async def test_one_that_was_switched_off_since_takes_a_reason_that_is_kept(clien
     assert (await confirm(client, path, IN_ITS_BOX)).status_code == 200
     said = await notes(client, path)
     assert said == [f"Ada states how they know that the ballbar is off: {IN_ITS_BOX}"]
+
+    await command(client, path, "abort")
+    await ended(client, path)
+    path = await kind.started(client)
+
+    bench.ballbar.dead = False
+    on_again = await confirm(client, path, IN_ITS_BOX)
+    switch_off(bench)
+
+    assert (on_again.status_code, on_again.json()["code"]) == (409, "TP-2001")
+    assert_asks_how(await confirm(client, path))
+    assert await notes(client, path) == ["The ballbar read a length within its range."]
 
 
 async def test_so_does_it_where_the_service_was_restarted_since(settings, bench, kind):
@@ -125,24 +139,6 @@ async def test_a_session_that_the_ballbar_had_no_part_in_yet_does_not_vouch_for_
     switch_off(bench)
 
     assert_asks_how(await confirm(client, await kind.started(client)))
-
-
-async def test_what_was_said_counts_for_the_next_session_until_it_reads_a_length(client, bench, kind):
-    await end_attached(client)
-    switch_off(bench)
-    path = await kind.started(client)
-    await confirm(client, path, IN_ITS_BOX)
-    await command(client, path, "abort")
-    await ended(client, path)
-    path = await kind.started(client)
-
-    bench.ballbar.dead = False
-    on_again = await confirm(client, path, IN_ITS_BOX)
-    switch_off(bench)
-
-    assert (on_again.status_code, on_again.json()["code"]) == (409, "TP-2001")
-    assert_asks_how(await confirm(client, path))
-    assert await notes(client, path) == ["The ballbar read a length within its range."]
 
 
 async def test_one_that_is_seen_to_come_off_is_asked_about_no_more(client, bench, kind):
