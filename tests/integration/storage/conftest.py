@@ -5,6 +5,8 @@ import os
 
 import pytest
 
+from truepose.storage.integrity import monitor
+
 ENGINES = ("sqlite", "postgresql")
 _NUMBERS = itertools.count()
 
@@ -13,6 +15,12 @@ def pytest_generate_tests(metafunc):
     if "database_url" in metafunc.fixturenames:
         only = metafunc.definition.get_closest_marker("engine")
         metafunc.parametrize("engine", ENGINES if only is None else only.args, scope="function")
+
+
+@pytest.fixture(autouse=True)
+def looks_often(monkeypatch):
+    """A guard looks at its database twenty times a second instead of once."""
+    monkeypatch.setattr(monitor, "_LOOK_S", 0.05)
 
 
 @pytest.fixture
