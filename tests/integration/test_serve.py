@@ -67,18 +67,22 @@ def started(database_url):
         process.communicate()
 
 
-@pytest.fixture
-def service(database_url):
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory):
+    """A service that all tests ask that do not end it: its process, where it is, and its database."""
+    database_url = f"sqlite:///{tmp_path_factory.mktemp('standing')}/truepose.sqlite3"
     with started(database_url) as process:
-        yield process
+        yield process, url_of(process), database_url
 
 
 @pytest.fixture(scope="module")
-def standing(tmp_path_factory):
-    """A service that all tests ask that do not end it: where it is, and its database."""
-    database_url = f"sqlite:///{tmp_path_factory.mktemp('standing')}/truepose.sqlite3"
-    with started(database_url) as process:
-        yield url_of(process), database_url
+def resting(standing):
+    """A connection that has been asked once, and the moment; it rests while other tests run."""
+    connection = http.client.HTTPConnection(urlsplit(standing[1]).netloc)
+    connection.request("GET", "/health")
+    connection.getresponse().read()
+    yield connection, time.monotonic()
+    connection.close()
 
 
 def get(url):
@@ -125,8 +129,8 @@ def given(url):
     return get(f"{url}/api/v1/simulated-faults").json()["faults"]
 
 
-def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing):
-    url, _ = standing
+def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing, resting):
+    _, url, _ = standing
     faults = f"{url}/api/v1/simulated-faults"
     wanted = {"person": "Ada", "kind": "smr_missing", "keys": {"nest": 2.0}}
 
@@ -144,7 +148,7 @@ def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing):
 
 
 def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(standing):
-    url, _ = standing
+    _, url, _ = standing
 
     assert get(f"{url}/health").json()["simulated"] is True
     for page in ("/", "/docs"):
@@ -159,21 +163,6 @@ def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head
         accepted, _ = listener.accept()
         with accepted:
             assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
-
-
-def test_a_request_arrives_on_a_connection_that_a_client_has_kept_for_as_long_as_most_do(standing):
-    url, _ = standing
-    connection = http.client.HTTPConnection(urlsplit(url).netloc)
-
-    connection.request("GET", "/health")
-    connection.getresponse().read()
-    kept = connection.sock
-    time.sleep(5.3)  # httpx keeps one for 5 s
-    connection.request("GET", "/health")
-
-    assert connection.getresponse().status == 200
-    assert connection.sock is kept
-    connection.close()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the option is Linux's")
@@ -234,8 +223,7 @@ def test_more_silent_connections_than_there_are_descriptors_keep_nobody_out_and_
     assert err.count("\n") < 10, err
 
 
-def test_an_open_stream_does_not_hold_up_the_end(service, database_url):
-    url = url_of(service)
+def assert_no_stream_holds_up_the_end(service, url, database_url):
     with httpx.stream("GET", f"{url}/api/v1/events", timeout=60) as stream:
         lines = stream.iter_lines()
         next(lines)
@@ -246,10 +234,34 @@ def test_an_open_stream_does_not_hold_up_the_end(service, database_url):
     assert "Cancel" not in err  # Uvicorn's word for requests that it waited for in vain
 
 
-def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
-    url = url_of(service)
-    (child,) = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text(encoding="utf-8").split()
-    os.kill(int(child), signal.SIGKILL)
+def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(standing, refused):
+    _, _, database_url = standing
+
+    status, out, err = refused(Settings(database_url, port=0))
+
+    assert (status, out) == (3, "")
+    assert "in use by another truepose service" in err
+    assert "Traceback" not in err
+
+
+def test_a_request_arrives_on_a_connection_that_a_client_has_kept_for_as_long_as_most_do(resting):
+    connection, since_s = resting
+    kept = connection.sock
+
+    time.sleep(max(0.0, since_s + 5.3 - time.monotonic()))  # httpx keeps one for 5 s
+    connection.request("GET", "/health")
+
+    assert connection.getresponse().status == 200
+    assert connection.sock is kept
+
+
+def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(standing):
+    """The last that asks the service, which has no cell afterwards."""
+    service, url, _ = standing
+    children = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text(encoding="utf-8").split()
+    os.kill(
+        int(children[0]), signal.SIGKILL
+    )  # the cell: what draws pages and looks after records comes later
 
     for _ in range(400):
         health = get(f"{url}/health").json()
@@ -263,16 +275,6 @@ def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
     assert "The simulated cell does not answer." in get(f"{url}/faults").text
     refused = post(f"{url}/api/v1/devices/tracker/connect")
     assert refused.status_code == 503
-
-
-def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(standing, refused):
-    _, database_url = standing
-
-    status, out, err = refused(Settings(database_url, port=0))
-
-    assert (status, out) == (3, "")
-    assert "in use by another truepose service" in err
-    assert "Traceback" not in err
 
 
 def test_a_port_in_use_is_one_sentence_and_status_3(database_url, refused):
@@ -332,10 +334,11 @@ def test_a_newer_schema_is_one_sentence_and_status_3(database_url, tmp_path, ref
     assert "Traceback" not in err
 
 
-def test_a_service_killed_in_a_session_lets_go_of_its_database_and_finds_it_awaiting_a_person(
-    service, database_url
-):
-    with httpx.Client(base_url=url_of(service), timeout=PATIENCE_S) as client:
+def test_a_service_killed_in_a_session_lets_go_of_its_database_and_finds_it_awaiting_a_person(database_url):
+    with (
+        started(database_url) as service,  # and killed
+        httpx.Client(base_url=url_of(service), timeout=PATIENCE_S) as client,
+    ):
         joints = [[5.0 * k, 40.0, -30.0, 5.0 * k, 30.0, 0.0] for k in range(-18, 18)]
         stops = [{"config": k, "joints_deg": q, "nest": 1} for k, q in enumerate(joints, 1)]
         wanted = {"name": "a", "role": "calibration", "plan": {"method": "given", "stops": stops}}
@@ -346,17 +349,12 @@ def test_a_service_killed_in_a_session_lets_go_of_its_database_and_finds_it_awai
             said = {"command": command, "person": "Ada", "prompt_id": asked}
             client.post(f"{path}/commands", json=said).raise_for_status()
         acknowledged = readings_until(client, 12)
-    os.kill(service.pid, signal.SIGKILL)
-    service.wait()
 
-    second = start(database_url)
-    try:
-        with httpx.Client(base_url=url_of(second), timeout=PATIENCE_S) as client:
-            found = client.get("/api/v1/sessions/1").json()
-            kept = client.get("/api/v1/sessions/1/readings").json()
-    finally:
-        second.send_signal(signal.SIGTERM)
-        assert ended(second)[0] == 0
+    with started(database_url) as second:
+        url = url_of(second)
+        found = get(f"{url}/api/v1/sessions/1").json()
+        kept = get(f"{url}/api/v1/sessions/1/readings").json()
+        assert_no_stream_holds_up_the_end(second, url, database_url)
 
     assert found["state"] == "awaiting_confirmation"
     assert "restarted" in found["reason"]
