@@ -89,7 +89,7 @@ async def test_it_keeps_the_contract_by_the_command_of_the_page(tmp_path):
     for project in (_FOLDER, _FOLDER.parents[2]):
         install(tmp_path / "packages", project / "pyproject.toml")
     command = ["--pyargs", "truepose_drivers.contract", "--driver", "acme_gauge"]
-    shorter = ["--hostile-answers", "200", "--link-faults", "50", "-p", "no:cacheprovider"]
+    shorter = ["--hostile-answers", "20", "--link-faults", "5", "-p", "no:cacheprovider"]
 
     asked = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "pytest", *command, *shorter),
