@@ -19,7 +19,10 @@ from truepose.storage.integrity.verification import verify_left
 from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.ledger.tracker_readings import ReadingRepository
 
-pytestmark = pytest.mark.engine("sqlite")  # a server's: server/test_tampering.py
+pytestmark = [  # a server's: server/test_tampering.py
+    pytest.mark.engine("sqlite"),
+    pytest.mark.usefixtures("forked_processes"),
+]
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
 PROTECTED = """
     CREATE TRIGGER readings_no_update BEFORE UPDATE ON readings

@@ -8,7 +8,7 @@ from truepose.storage.errors import DamagedDatabaseError
 from truepose.storage.integrity.verification import verify_left_at
 from truepose.storage.ledger.sessions import SessionRepository
 
-pytestmark = pytest.mark.engine("postgresql")
+pytestmark = [pytest.mark.engine("postgresql"), pytest.mark.usefixtures("forked_processes")]
 UNPROTECTED = "ALTER TABLE readings DISABLE TRIGGER USER;"
 PROTECTED = "ALTER TABLE readings ENABLE TRIGGER USER;"
 DETACHED = "ALTER TABLE readings DISABLE TRIGGER ALL;"
