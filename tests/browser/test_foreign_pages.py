@@ -4,10 +4,6 @@ import contextlib
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
-import pytest
-
-from tests.browser.pages.looks import Traffic
-
 _PAGE = b"<!doctype html><title>evil</title><iframe name=framed></iframe>"
 _ATTACKS = """async (base) => {
   const url = `${base}/api/v1/sessions/1/commands`;
@@ -66,17 +62,16 @@ def somebody_elses_server():
             thread.join()
 
 
-@pytest.mark.parametrize("site", ["evil.test", "localhost", "127.0.0.1"])
-def test_a_page_of_others_neither_presses_nor_reads_nor_frames(chromium, service, site):
+def test_a_page_of_others_neither_presses_nor_reads_nor_frames(chromium, service):
     session = service.paused_session("left arm")
-    service.command(session, "resume")
-    service.until(session, "state", "running", "finished")  # whichever comes first on a busy machine
 
-    with somebody_elses_server() as port, chromium.one(f"http://{site}:{port}") as page:
-        page.goto(f"http://{site}:{port}/")
-        told = page.evaluate(_ATTACKS, service.url)
+    told = []
+    for site in ("evil.test", "localhost", "127.0.0.1"):
+        with somebody_elses_server() as port, chromium.one(f"http://{site}:{port}") as page:
+            page.goto(f"http://{site}:{port}/")
+            told += page.evaluate(_ATTACKS, service.url)
 
-    assert service.get(session)["state"] in ("running", "finished")
+    assert service.get(session)["state"] == "paused"  # not aborted
     # A frame that was refused "loads" an error of the browser's own; nothing that was read came through.
     assert not [what for what in told if what.startswith(("read", "script", "img"))]
 
@@ -90,32 +85,3 @@ def test_a_name_that_leads_here_is_answered_with_a_refusal_only(chromium, servic
 
     assert reply.status == 421
     assert fetched == "not allowed"
-
-
-@contextlib.contextmanager
-def unbroken_policy(page):
-    """Fail what the browser says of a broken policy."""
-    broken = []
-
-    def heard(message):
-        broken.extend([message.text] if "Policy" in message.text else [])
-
-    page.on("console", heard)
-    yield
-    page.remove_listener("console", heard)
-    assert broken == []
-
-
-@pytest.mark.parametrize(
-    "path", ["/", "/docs", "/diagnoses", "/plan", "/operator", "/operator/1", "/diagnoses/1"]
-)
-def test_our_own_pages_break_none_of_their_rules(chromium, service, path):
-    with chromium.one(service.url) as page, unbroken_policy(page):
-        traffic = Traffic(page)
-        page.goto(service.url + path)
-        traffic.settled()
-
-        assert page.evaluate("getComputedStyle(document.body).fontFamily")
-        assert page.evaluate("[...document.styleSheets].every((sheet) => sheet.cssRules.length > 0)")
-        assert page.evaluate("document.styleSheets.length") > 0
-        traffic.close()

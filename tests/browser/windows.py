@@ -79,7 +79,7 @@ def without_complaint(page, origin, allowed=()):
     """Fail whatever the page complains of or fetches from elsewhere, but what begins as is `allowed`."""
     complaints = []
     heard = {
-        "console": lambda message: complaints.append(_said(message)) if message.type == "error" else None,
+        "console": lambda message: complaints.append(_said(message)) if _complains(message) else None,
         "pageerror": lambda error: complaints.append(str(error)),
         "request": lambda r: None if r.url.startswith((origin, "data:")) else complaints.append(r.url),
     }
@@ -91,6 +91,11 @@ def without_complaint(page, origin, allowed=()):
         page.remove_listener(event, hear)
     unexpected = [text for text in complaints if not text.startswith(tuple(allowed))]
     assert not unexpected, unexpected
+
+
+def _complains(message):
+    """Say whether it is an error, or of a rule for pages that is broken, which need not be one."""
+    return message.type == "error" or "Policy" in message.text
 
 
 def _said(message):
