@@ -1,5 +1,6 @@
 """Own readings in a browser, by somebody who has never seen the program: from a table to the named cause."""
 
+import shutil
 import time
 from types import SimpleNamespace
 
@@ -17,10 +18,12 @@ MOST_TAPS = 10
 MOST_S = 180.0
 
 
-@pytest.fixture
-def service(tmp_path):
-    (tmp_path / "cell.toml").write_text(CELL)
-    where = Settings(database_url=f"sqlite:///{tmp_path}/t.sqlite3", cell_file=tmp_path / "cell.toml")
+@pytest.fixture(scope="module")
+def service(tmp_path_factory, empty_database):
+    folder = tmp_path_factory.mktemp("shop")
+    (folder / "cell.toml").write_text(CELL)
+    database = shutil.copy(empty_database, folder)
+    where = Settings(database_url=f"sqlite:///{database}", cell_file=folder / "cell.toml")
     with listening(create_app(where, Bench().registry(), perform_here)) as url:
         yield SimpleNamespace(url=url)
 
@@ -37,6 +40,17 @@ def own_table(tmp_path):
     file = tmp_path / "messung.csv"
     file.write_bytes("\r\n".join(semicolons).encode("utf-16"))
     return file
+
+
+def test_whoever_comes_first_is_told_what_this_is_and_shown_an_example(service, tablet):
+    tablet.goto(service.url)
+    expect(tablet.locator(".welcome .lead")).to_be_visible()
+    expect(tablet.locator(".way li")).to_have_count(5)
+
+    tablet.locator(".welcome [data-example]").click()
+
+    tablet.wait_for_url("**/bring/1")
+    expect(tablet.locator("[data-go]")).to_be_visible()
 
 
 def test_somebody_who_has_never_seen_it_reads_the_cause_of_an_own_table(service, tablet, own_table):
@@ -57,17 +71,6 @@ def test_somebody_who_has_never_seen_it_reads_the_cause_of_an_own_table(service,
     tablet.goto(service.url)
     expect(tablet.locator("#latest")).to_be_visible()
     expect(tablet.locator(".welcome")).to_have_count(0)
-
-
-def test_whoever_comes_first_is_told_what_this_is_and_shown_an_example(service, tablet):
-    tablet.goto(service.url)
-    expect(tablet.locator(".welcome .lead")).to_be_visible()
-    expect(tablet.locator(".way li")).to_have_count(5)
-
-    tablet.locator(".welcome [data-example]").click()
-
-    tablet.wait_for_url("**/bring/1")
-    expect(tablet.locator("[data-go]")).to_be_visible()
 
 
 @pytest.fixture
@@ -95,21 +98,6 @@ def assert_chosen(button):
     expect(button).to_have_attribute("aria-pressed", "true")
 
 
-def test_an_answered_question_stays_and_so_does_what_is_below_it(asked, today, uncertainty):
-    today.scroll_into_view_if_needed()
-    uncertainty.scroll_into_view_if_needed()
-    place = today.bounding_box()
-
-    uncertainty.click()
-    assert_chosen(uncertainty)
-
-    assert today.bounding_box() == place
-    asked.mouse.click(place["x"] + 9, place["y"] + 9)
-    assert_chosen(today)
-    assert_chosen(uncertainty)
-    expect(asked.locator("[data-go]")).to_be_visible()
-
-
 # The place of a control at the moment that the page has been replaced, before anything else is loaded.
 _PLACES = """selector => {
   window.places = [];
@@ -118,23 +106,23 @@ _PLACES = """selector => {
 }"""
 
 
-def test_the_page_does_not_jump_while_it_is_written_anew(asked, today, uncertainty):
+def test_an_answer_stays_until_it_is_changed_and_nothing_below_it_moves(asked, today, uncertainty):
     today.scroll_into_view_if_needed()
-    place = today.bounding_box()["y"]
+    uncertainty.scroll_into_view_if_needed()
+    place = today.bounding_box()
     asked.evaluate(_PLACES, '[data-day="0"]')
 
     uncertainty.evaluate("button => button.click()")
-
     assert_chosen(uncertainty)
-    assert asked.evaluate("window.places") == [place]
 
-
-def test_an_answer_can_be_changed(asked, today, uncertainty):
-    today.click()
+    assert asked.evaluate("window.places") == [place["y"]]
+    assert today.bounding_box() == place
+    asked.mouse.click(place["x"] + 9, place["y"] + 9)
     assert_chosen(today)
+    assert_chosen(uncertainty)
+    expect(asked.locator("[data-go]")).to_be_visible()
 
     asked.locator('[data-day="1"]').click()
-
     assert_chosen(asked.locator('[data-day="1"]'))
     expect(today).to_have_attribute("aria-pressed", "false")
 
