@@ -88,13 +88,13 @@ class Log:
             pass
 
     async def until_rest(self):
-        """Return when and where the arm was first seen where it still is two seconds later."""
+        """Return when and where the arm was first seen where it still is a second later."""
         since_s, place = await self.next()
         while True:
             time_s, here = await self.next()
             if not np.array_equal(here, place):
                 since_s, place = time_s, here
-            if time_s - since_s > 2.0:
+            if time_s - since_s > 1.0:
                 return since_s, place
 
 
@@ -119,7 +119,7 @@ async def killed_in_motion(folder, server):
                 person = SimulatedOperator(http, created.json()["id"], "tablet-1")
                 session = await person.walk(until=FIRST_MOTION)
                 await person.act("confirm", FIRST_MOTION)
-                await log.until_moved(8.0)
+                await log.until_moved(2.0)
                 await service.kill()
                 killed_s = await cell_time_s(endpoints["clock"])
         finally:
