@@ -10,7 +10,8 @@ from tests.recorded.transcript import Transcript, printed
 _EXAMPLES = CHECKOUT / "docs" / "examples"
 _TARGETS = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,350,0,400,0,0,1,0\n2,350,0,2400,0,0,1,0\n"
 _MODEL, _HELD_OUT = "model.json", "campaign/validation.csv"
-# One after the other: later ones read what earlier ones wrote.
+# One after the other: later ones read what earlier ones wrote. One worker each: to start a second takes
+# longer than all that it computes.
 COMMANDS = [
     f"identify campaign --model-out {_MODEL} --json",
     "identify campaign --effects base,tool --json",
@@ -23,8 +24,8 @@ COMMANDS = [
     f"export {_MODEL} --as urdf --out robot.urdf --json",
     f"export {_MODEL} --as dhm --out robot.csv --json",
     f"export {_MODEL} --as controller --out controller.json --json",
-    "resample campaign --by noise --draws 20 --seed 1 --json",
-    "plan campaign --n 8 --tries 2 --json",
+    "resample campaign --by noise --draws 20 --seed 1 --workers 1 --json",
+    "plan campaign --n 8 --tries 2 --workers 1 --json",
     "reanalyse archive --out again --json",
     "import held-out.csv held-out.csv --robot abb-irb-120 --u-mm 0.02 --out imported",
     "people list --database sqlite:///shop.sqlite3",
