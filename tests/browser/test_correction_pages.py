@@ -1,6 +1,7 @@
 """A program corrected at the tablet, from the form to the file."""
 
 import asyncio
+import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,11 +33,13 @@ async def with_a_model(url):
     database.close()
 
 
-@pytest.fixture
-def service(tmp_path):
+@pytest.fixture(scope="module")
+def service(tmp_path_factory, empty_database):
     """A service that has a model, and corrects without processes for it."""
-    (tmp_path / "cell.toml").write_text(CELL)
-    where = Settings(database_url=f"sqlite:///{tmp_path}/t.sqlite3", cell_file=tmp_path / "cell.toml")
+    folder = tmp_path_factory.mktemp("shop")
+    (folder / "cell.toml").write_text(CELL)
+    database = shutil.copy(empty_database, folder)
+    where = Settings(database_url=f"sqlite:///{database}", cell_file=folder / "cell.toml")
     with ThreadPoolExecutor(1) as apart:  # the browser's own loop runs in this thread
         apart.submit(asyncio.run, with_a_model(where.database_url)).result()
     with listening(create_app(where, Bench().registry(), perform_here)) as url:
