@@ -69,6 +69,10 @@ class Day:
     async def ask(self, method, path, **sent):
         """Ask, take down question and answer, and return the answer."""
         reply = await self.client.request(method, path, **sent)
+        self._take_down(method, path, reply, **sent)
+        return reply
+
+    def _take_down(self, method, path, reply, **sent):
         media_type = reply.headers.get("content-type", "").partition(";")[0]
         asked = [f"### {method} {path}", *([printed(sent["json"])] if "json" in sent else [])]
         # How far a job or a session is by then, is not the same every day.
@@ -78,7 +82,6 @@ class Day:
             body = "" if reply.status_code == _ACCEPTED else told(reply.content, media_type)
         where = [f"Location: {reply.headers['location']}"] if "location" in reply.headers else []
         self.transcripts[-1].add(*asked, f"-> {reply.status_code} {media_type}", *where, body, "")
-        return reply
 
     async def get(self, *paths):
         """Ask for several resources."""
@@ -93,10 +96,11 @@ class Day:
         return found
 
     async def drawn(self, page):
-        """Wait until the pictures of a page are there."""
+        """Ask for a page until its pictures are there, and take it down."""
         async with asyncio.timeout(_PATIENCE_S):
-            while "data-drawing" in (await self.client.get(page)).text:
+            while "data-drawing" in (reply := await self.client.get(page)).text:
                 await asyncio.sleep(0.05)
+        self._take_down("GET", page, reply)
 
     async def until(self, path, holds):
         """Wait without a word, as a page does that polls."""
@@ -139,7 +143,6 @@ async def spend_at_the_tracker(folder):
         day.part("pages")
         for page in _pages():
             await day.drawn(page)
-            await day.get(page)
         return day.transcripts
 
 
