@@ -4,17 +4,12 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.bench.fake_desk import leg, move
+from tests.browser.tablet.bench.screens import shown
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.test_screens import shown
-from tests.browser.tablet.test_stop_is_there import NOTICES, OUT_OF_REACH
-from truepose.messages.catalogue import catalogue, english
+from truepose.messages.catalogue import catalogue
 from truepose.sessions.engine.interlocks import motion_notice
 from truepose_drivers.api import MotionGuard
 
-ASKING = ("planned", "move", "interrupted", "foreign")
-SIZES = [(360, 640), (390, 844), (844, 390), (1024, 768), (800, 1280), (1440, 900)]
-LONGEST = english(motion_notice(MotionGuard(stops_unheard_s=0.8)))
-LETTERS_PX = "n => parseFloat(getComputedStyle(n).fontSize)"
 GUARDS = (MotionGuard(stops_unheard_s=0.8), MotionGuard(longest_piece_s=1.0), MotionGuard())
 
 
@@ -24,22 +19,6 @@ def french(chromium, url):
         page.goto(f"{url}/operator/3")
         page.locator("#simulated").wait_for()
         yield page
-
-
-def test_it_is_in_view_beside_stop_and_what_confirms_at_every_size_with_notices_open(desk, french):
-    wrong = {}
-    desk.show(motion_notice=LONGEST)
-    for screen in ASKING:
-        shown(french, desk, screen)
-        for width, height in SIZES:
-            french.set_viewport_size({"width": width, "height": height})
-            french.evaluate(NOTICES)
-            found = french.evaluate(OUT_OF_REACH, "#caution, #actions button, .dock button")
-            letters = french.locator("#caution strong").evaluate(LETTERS_PX)
-            least = 22 if min(width, height) >= 700 else 15
-            wrong |= {(screen, width): found or letters} if found or letters < least else {}
-
-    assert wrong == {}
 
 
 def test_it_is_said_as_the_service_says_it(desk, french):

@@ -4,9 +4,9 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.bench.fake_desk import leg
+from tests.browser.tablet.bench.operator_hands import acted
+from tests.browser.tablet.bench.screens import OUT_OF_REACH
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.test_acts import acted
-from tests.browser.tablet.test_stop_is_there import OUT_OF_REACH
 
 PEOPLE = ["Ada Lovelace", "Grace Hopper", "Wilhelmina Featherstonehaugh-Cholmondeley"]
 REFUSED = "Grace Hopper is not among the people of this cell (Ada Lovelace). Let one of them confirm."
