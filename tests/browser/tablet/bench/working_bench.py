@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import math
 import time
-from concurrent.futures import ThreadPoolExecutor
 
 import httpx
 
@@ -12,12 +11,10 @@ from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS
 from tests.integration.web.bench import CELL, Bench, FakeBallbar, FakeHands, FakeRobot
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.demo.simulated_operator import SimulatedOperator
 from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading
 
 PACE = 8  # the clock of the cell runs so much faster than the person who waits for it
-TABLET = "tablet-1"
 PATIENCE_S = 60.0  # with an answer, on a busy machine
 ONE_POSE = {**PLACEMENT, "poses": PLACEMENT["poses"][:1]}
 
@@ -93,19 +90,6 @@ def plan(url, name="left arm"):
     reply = httpx.post(f"{url}{SESSIONS}", json=wanted, timeout=PATIENCE_S)
     assert reply.status_code == 201, reply.text
     return reply.json()["id"]
-
-
-def walk_to_leg(number, url, id):
-    """Do what comes before that leg over REST, under the number of a tablet that can then go on."""
-    with ThreadPoolExecutor(1) as other_thread:  # the browser's own has a loop that runs already
-        other_thread.submit(asyncio.run, _walked_to_leg(number, url, id)).result()
-
-
-async def _walked_to_leg(number, url, id):
-    async with httpx.AsyncClient(base_url=url, timeout=PATIENCE_S) as http:
-        steps = (await http.get(f"{SESSIONS}/{id}/plan")).json()["steps"]
-        legs = [step["id"] for step in steps if step["kind"] == "connect_leg"]
-        await SimulatedOperator(http, id, TABLET).walk(until=legs[number - 1])
 
 
 def ledger(url, id):
