@@ -1,6 +1,5 @@
 """What taps do: each is one act of the public API, with who, where and which step."""
 
-import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.bench.fake_desk import leg, move, sample, step
@@ -8,6 +7,49 @@ from tests.browser.tablet.bench.operator_hands import acted, hold_long_enough
 from tests.browser.tablet.conftest import a_tablet
 
 SUSPICION = {"asked": ["B2", "T3"], "suspected": ["B1", "T2"], "length_mm": 300.1, "expected_mm": 300.42}
+CONTROLS = {"Back": "back", "Retry": "retry", "Pause": "pause", "STOP": "stop"}
+# The kind of doubt, what is said of it, an answer, and the button that gives it.
+DOUBTS = [
+    ("same_pair", "already measured", "reconnected", "I have reconnected the ballbar"),
+    (
+        "other_pair",
+        "The length matches B1\u2013T2, not B2\u2013T3.",
+        "right_pair",
+        "The ballbar is on B2\u2013T3",
+    ),
+    (
+        "exchanged",
+        "B2\u2013T3 and B1\u2013T2 seem to be swapped.",
+        "reconnected",
+        "Swapped: read both again",
+    ),
+    ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "The ballbar is on B2\u2013T3"),
+    (
+        "calibrator",
+        "This is the length of the calibrator",
+        "reconnected",
+        "I have reconnected the ballbar",
+    ),
+    (
+        "like_calibrator",
+        "does not show which of the two was measured",
+        "right_pair",
+        "The ballbar is on B2\u2013T3",
+    ),
+    (
+        "same_connection",
+        "not taken off after B1\u2013T2 was read",
+        "reconnected",
+        "I have reconnected the ballbar",
+    ),
+    ("not_calibrator", "differs from the previous one", "right_pair", "The ballbar is on B2\u2013T3"),
+    (
+        "same_bars",
+        "the zero of the other extension bars",
+        "reconnected",
+        "I have reconnected the ballbar",
+    ),
+]
 
 
 def test_store_is_always_at_hand_and_says_who_and_what(desk, tablet):
@@ -18,13 +60,11 @@ def test_store_is_always_at_hand_and_says_who_and_what(desk, tablet):
     assert act["tablet"] == tablet.evaluate("localStorage.getItem('truepose.tablet')")
 
 
-@pytest.mark.parametrize(
-    ("name", "act"), [("Back", "back"), ("Retry", "retry"), ("Pause", "pause"), ("STOP", "stop")]
-)
-def test_a_control_is_one_tap(desk, tablet, name, act):
-    tablet.get_by_role("button", name=name, exact=True).click()
+def test_a_control_is_one_tap(desk, tablet):
+    for done, (name, act) in enumerate(CONTROLS.items(), 1):
+        tablet.get_by_role("button", name=name, exact=True).click()
 
-    assert [done["act"] for done in acted(tablet, desk)] == [act]
+        assert acted(tablet, desk, done)[-1]["act"] == act
 
 
 def test_a_paused_session_resumes_where_it_was_paused(desk, tablet):
@@ -80,23 +120,17 @@ def test_a_reason_to_choose_goes_into_the_records_in_one_language(desk, chromium
     assert act["reason"] == "The length does not settle"
 
 
-def test_ending_the_session_is_asked_twice(desk, tablet):
+def test_ending_the_session_is_asked_twice_and_stop_stays_in_reach_of_the_question(desk, tablet):
     tablet.get_by_role("button", name="Abort").click()
     tablet.get_by_role("button", name="Cancel").click()
     tablet.get_by_role("button", name="Abort").click()
     assert desk.acts == []
 
+    tablet.get_by_role("button", name="STOP").click()
+    assert [act["act"] for act in acted(tablet, desk)] == ["stop"]
     tablet.get_by_role("button", name="Abort the session").click()
 
-    assert [act["act"] for act in acted(tablet, desk)] == ["abort"]
-
-
-def test_stop_stays_in_reach_of_every_dialogue(desk, tablet):
-    tablet.get_by_role("button", name="Abort").click()
-
-    tablet.get_by_role("button", name="STOP").click()
-
-    assert [act["act"] for act in acted(tablet, desk)] == ["stop"]
+    assert [act["act"] for act in acted(tablet, desk, 2)] == ["stop", "abort"]
 
 
 def test_the_robot_moves_only_after_a_button_was_held(desk, tablet):
@@ -116,19 +150,20 @@ def test_the_robot_moves_only_after_a_button_was_held(desk, tablet):
     assert act["seen_time_s"] == 512.5  # the service refuses one that comes too late
 
 
-@pytest.mark.parametrize("key", ["Enter", " "])
-def test_a_key_that_is_held_confirms_a_motion_and_a_key_that_is_pressed_does_not(desk, tablet, key):
-    desk.show(step=move(), ballbar_attached=False)
-    tablet.get_by_role("button", name="Hold").focus()
+def test_a_key_that_is_held_confirms_a_motion_and_a_key_that_is_pressed_does_not(desk, tablet):
+    for pose, key in enumerate(["Enter", " "], 1):
+        desk.show(step=move(pose), ballbar_attached=False)
+        expect(tablet.locator("#where")).to_contain_text(f"pose {pose}")
+        tablet.get_by_role("button", name="Hold").focus()
 
-    tablet.keyboard.press(key)
-    tablet.wait_for_timeout(200)
-    assert desk.acts == []
-    tablet.keyboard.down(key)
-    tablet.locator(".holding").wait_for(state="detached")
-    tablet.keyboard.up(key)
+        tablet.keyboard.press(key)
+        tablet.wait_for_timeout(200)
+        assert len(desk.acts) == pose - 1
+        tablet.keyboard.down(key)
+        tablet.locator(".holding").wait_for(state="detached")
+        tablet.keyboard.up(key)
 
-    assert [act["act"] for act in acted(tablet, desk)] == ["confirm"]
+        assert acted(tablet, desk, pose)[-1]["act"] == "confirm"
 
 
 def test_a_motion_cannot_be_confirmed_where_the_service_does_not_offer_it(desk, tablet):
@@ -201,60 +236,18 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
     assert desk.acts == []
 
 
-@pytest.mark.parametrize(
-    ("kind", "said", "answer", "button"),
-    [
-        ("same_pair", "already measured", "reconnected", "I have reconnected the ballbar"),
-        (
-            "other_pair",
-            "The length matches B1\u2013T2, not B2\u2013T3.",
-            "right_pair",
-            "The ballbar is on B2\u2013T3",
-        ),
-        (
-            "exchanged",
-            "B2\u2013T3 and B1\u2013T2 seem to be swapped.",
-            "reconnected",
-            "Swapped: read both again",
-        ),
-        ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "The ballbar is on B2\u2013T3"),
-        (
-            "calibrator",
-            "This is the length of the calibrator",
-            "reconnected",
-            "I have reconnected the ballbar",
-        ),
-        (
-            "like_calibrator",
-            "does not show which of the two was measured",
-            "right_pair",
-            "The ballbar is on B2\u2013T3",
-        ),
-        (
-            "same_connection",
-            "not taken off after B1\u2013T2 was read",
-            "reconnected",
-            "I have reconnected the ballbar",
-        ),
-        ("not_calibrator", "differs from the previous one", "right_pair", "The ballbar is on B2\u2013T3"),
-        (
-            "same_bars",
-            "the zero of the other extension bars",
-            "reconnected",
-            "I have reconnected the ballbar",
-        ),
-    ],
-)
-def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):
-    suspected = None if kind == "unlikely" else SUSPICION["suspected"]
-    desk.show(suspicion={**SUSPICION, "kind": kind, "suspected": suspected})
-    expect(tablet.locator("#panel")).to_contain_text(said)
-    expect(tablet.locator("#panel")).to_contain_text("Not stored yet")
+def test_a_wrong_connection_is_asked_about(desk, tablet):
+    for done, (kind, said, answer, button) in enumerate(DOUBTS, 1):
+        suspected = None if kind == "unlikely" else SUSPICION["suspected"]
+        # Each is of a step of its own, as the buttons are.
+        desk.show(step=leg(pose=done), suspicion={**SUSPICION, "kind": kind, "suspected": suspected})
+        expect(tablet.locator("#panel")).to_contain_text(said)
+        expect(tablet.locator("#panel")).to_contain_text("Not stored yet")
 
-    tablet.get_by_role("button", name=button).click()
+        tablet.get_by_role("button", name=button).click()
 
-    (act,) = acted(tablet, desk)
-    assert (act["act"], act["answer"]) == ("answer", answer)
+        act = acted(tablet, desk, done)[-1]
+        assert (act["act"], act["answer"]) == ("answer", answer), kind
 
 
 def test_the_large_coloured_answer_to_a_doubt_is_the_one_that_stores_nothing(desk, tablet):
@@ -264,16 +257,13 @@ def test_the_large_coloured_answer_to_a_doubt_is_the_one_that_stores_nothing(des
     expect(coloured).to_have_text("I have reconnected the ballbar")
     expect(tablet.locator("#actions .main").nth(1)).to_have_class("main plain")
     coloured.click()
-
     assert acted(tablet, desk)[0]["answer"] == "reconnected"
 
-
-def test_an_answer_that_has_led_nowhere_is_not_the_large_one(desk, tablet):
-    desk.show(suspicion={**SUSPICION, "kind": "calibrator"}, main_answer="right_pair")
-
-    tablet.locator("#actions .main:not(.plain)").click()
-
-    assert acted(tablet, desk)[0]["answer"] == "right_pair"
+    # One that has led nowhere is not the large one.
+    desk.show(step=leg(3, 1), suspicion={**SUSPICION, "kind": "calibrator"}, main_answer="right_pair")
+    expect(coloured).not_to_contain_text("reconnected")
+    coloured.click()
+    assert acted(tablet, desk, 2)[1]["answer"] == "right_pair"
 
 
 def test_a_doubt_about_the_calibrator_is_about_no_pair(desk, tablet):
