@@ -28,10 +28,15 @@ def test_only_the_acting_tablet_has_buttons_but_stop_is_everybodys(both):
     for page in both:
         expect(page.get_by_role("button", name="STOP")).to_be_enabled()
     expect(ada.locator("#take-over")).to_be_hidden()
+    for page in both:
+        expect(page.locator("#length")).to_have_text("300.421 mm")
 
 
-def test_taking_over_is_one_tap_and_one_confirmation(desk, both):
+def test_a_takeover_may_be_thought_over_and_is_one_tap_and_one_confirmation(desk, both):
     ada, grace = both
+    grace.get_by_role("button", name="Take over").click()
+    grace.get_by_role("button", name="Cancel").click()
+    expect(grace.locator("#who")).to_contain_text("Ada Byron has control")
 
     grace.get_by_role("button", name="Take over").click()
     expect(grace.locator("#dialogue")).to_contain_text("Ada Byron has control now")
@@ -43,18 +48,3 @@ def test_taking_over_is_one_tap_and_one_confirmation(desk, both):
     expect(ada.get_by_role("button", name="Store now")).to_be_disabled()
     expect(grace.get_by_role("button", name="Store now")).to_be_enabled()
     assert len(desk.carried_out("hand_over")) == 1
-
-
-def test_a_takeover_may_be_thought_over(desk, both):
-    _, grace = both
-
-    grace.get_by_role("button", name="Take over").click()
-    grace.get_by_role("button", name="Cancel").click()
-
-    expect(grace.locator("#who")).to_contain_text("Ada Byron has control")
-    assert desk.carried_out("hand_over") == []
-
-
-def test_both_see_the_same_length(desk, both):
-    for page in both:
-        expect(page.locator("#length")).to_have_text("300.421 mm")
