@@ -2,7 +2,6 @@
 
 import time
 
-import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.bench.fake_desk import leg, move, step
@@ -53,8 +52,9 @@ def settled(page, desk, n):
     return [act["act"] for act in desk.acts]
 
 
-def test_a_silent_link_is_told_within_two_seconds(desk, wired):
+def test_a_silent_link_is_told_within_two_seconds_in_any_language_and_comes_back_by_itself(desk, wired):
     page, wire = wired
+    page.wait_for_function(FRENCH_FOLLOWED)
     page.evaluate(TICKS_OF_SILENCE)
 
     lost(page, wire)
@@ -64,6 +64,16 @@ def test_a_silent_link_is_told_within_two_seconds(desk, wired):
     expect(page.locator("#gauge")).to_have_attribute("data-state", "no_signal")  # an old length is no length
     expect(page.locator("#word")).to_have_text("No connection")  # nobody is sent to the cable of the bar
     expect(page.locator("#advice")).to_contain_text("can leave the ballbar where it is")
+    for language, said in (("fr", "Pas de connexion au service."), ("en", "No connection to the service.")):
+        page.locator("#language").select_option(language)
+        expect(page.locator("#lost")).to_contain_text(said)
+
+    desk.show(step=leg(3, 1), progress={**desk.session["progress"], "readings": 90})
+    back(page, wire)
+
+    expect(page.locator("#lost")).to_be_hidden()
+    expect(page.locator("#names")).to_have_text("B3T1")
+    expect(page.locator("#progress")).to_contain_text("90 of 431 readings")
 
 
 def test_a_quiet_session_is_not_taken_for_a_lost_one(desk, wired):
@@ -86,13 +96,16 @@ def test_taps_wait_with_their_number_and_are_sent_once_in_order(desk, wired):
     expect(page.locator("#queued")).to_have_attribute("data-count", "2")
     expect(page.locator("#queued")).to_contain_text("2 taps are waiting")
     expect(page.locator("#actions button")).to_be_disabled()  # the same tap again would be another one
+    page.get_by_role("button", name="STOP").click()
+    expect(page.locator("#said")).to_contain_text("has not reached the robot")
+    expect(page.locator("#said")).to_contain_text("emergency stop")
     assert desk.arrived == []
     healed_s = time.monotonic()
     back(page, wire)
 
-    assert settled(page, desk, 2) == ["confirm", "pause"]
+    assert settled(page, desk, 3) == ["confirm", "pause", "stop"]
     assert all(healed_s - 60 < act["pressed_at_s"] < healed_s for act in desk.arrived)  # not when they came
-    assert len({act["key"] for act in desk.arrived}) == 2
+    assert len({act["key"] for act in desk.arrived}) == 3
     expect(page.locator("#queued")).to_be_hidden()
 
 
@@ -210,28 +223,6 @@ def test_a_hold_that_outlasts_the_connection_moves_nothing(desk, wired):
     assert desk.arrived == []
 
 
-def test_stop_says_that_it_has_not_reached_the_robot(desk, wired):
-    page, wire = wired
-    lost(page, wire)
-
-    page.get_by_role("button", name="STOP").click()
-
-    expect(page.locator("#said")).to_contain_text("has not reached the robot")
-    expect(page.locator("#said")).to_contain_text("emergency stop")
-
-
-def test_the_page_comes_back_by_itself_with_what_is_true_then(desk, wired):
-    page, wire = wired
-    lost(page, wire)
-    desk.show(step=leg(3, 1), progress={**desk.session["progress"], "readings": 90})
-
-    back(page, wire)
-
-    expect(page.locator("#lost")).to_be_hidden()
-    expect(page.locator("#names")).to_have_text("B3T1")
-    expect(page.locator("#progress")).to_contain_text("90 of 431 readings")
-
-
 def test_what_could_not_be_read_is_read_again(desk, chromium, url):
     missing = {"v1/simulated-hands", "3/scene", "3/plan", "common/fr.json"}
     with a_tablet(chromium, url, may_fail=True) as page:
@@ -299,19 +290,6 @@ def test_the_screen_is_kept_awake_where_the_browser_can(desk, chromium, url):
         page.locator("#link[data-state=up]").wait_for()
 
         assert page.evaluate("window.locks") == 1
-
-
-@pytest.mark.parametrize("language", ["en", "fr"])
-def test_the_language_changes_without_a_connection(desk, wired, language):
-    page, wire = wired
-    page.wait_for_function(FRENCH_FOLLOWED)
-    lost(page, wire)
-
-    for chosen in ("fr", language):
-        page.locator("#language").select_option(chosen)
-
-    said = {"en": "No connection to the service.", "fr": "Pas de connexion au service."}[language]
-    expect(page.locator("#lost")).to_contain_text(said)
 
 
 def test_a_disk_that_refuses_is_said_until_it_does_not(desk, tablet):
