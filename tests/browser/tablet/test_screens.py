@@ -60,12 +60,12 @@ class Walk:
             self._look(page, screen)
             desk.show(acting=ANOTHER, swaps_can_be_seen=False)
             expect(page.locator("#who")).to_contain_text(ANOTHER["person"])
-            self._look_for_covered(page, (screen, "another acts"))
+            self._look_again(page, (screen, "another acts"))
         desk.show(acting=None)
         self._advised(page, desk)
         page.context.set_offline(True)
         page.locator("#lost").wait_for()
-        self._look_for_covered(page, "lost")
+        self._look_again(page, "lost")
 
     def _look(self, page, screen):
         warned = WARNED if self.language == "fr" and screen in ASKING else []
@@ -82,13 +82,13 @@ class Walk:
                 desk.sample = said
                 page.locator(f"#gauge[data-state={state}]").wait_for()
                 drawn(page)
-                self._look_for_covered(page, (state, swaps_can_be_seen))
-                self.faint += [(state, text) for text in page.evaluate(FAINT_TEXTS)]
+                self._look_again(page, (state, swaps_can_be_seen))
 
-    def _look_for_covered(self, page, where):
+    def _look_again(self, page, where):
         for size in LAYOUTS[self.language]:
             resized(page, size)
             self.covered += [(where, size, found) for found in page.evaluate(COVERED)]
+            self.faint += [(where, size, text) for text in page.evaluate(FAINT_TEXTS)]
 
     def wrong(self, judged, sizes=None):
         """Return what is judged to be wrong, by screen and size."""
