@@ -33,7 +33,8 @@ def disk(database, monkeypatch):
         set_most(database, 2**31)
 
     def released():  # as on a disk: what the reserve held is there for others
-        if database.backend.reserve.file.exists():
+        open_yet = not database.backend.connection.closed  # whoever closes it gives the room back last of all
+        if open_yet and database.backend.reserve.file.exists():
             database.backend.plain.execute(f"PRAGMA max_page_count={2**31}")
         release()
 
