@@ -146,6 +146,36 @@ def test_a_figure_is_that_of_the_document_wherever_it_stands(kind, label, path):
     assert all(agrees(number, value) for number in shown)
 
 
+_SAID = re.compile(r"Mean error (\S+) mm before \(nominal\), (\S+) mm after;(?: largest (\S+) mm,)?")
+
+
+@pytest.mark.parametrize(
+    ("kind", "models", "label"),
+    [
+        ("identification", ("validation.nominal", "validation.identified"), "Mean error {}"),
+        ("diagnosis", ("nominal", "after"), "Mean error {}"),
+        ("validation", ("position.nominal", "position.identified"), ""),
+    ],
+)
+def test_cards_and_tables_print_a_figure_as_the_sentence_does(kind, models, label):
+    document, pages = document_of(kind), pages_of(kind)
+    *means, largest = _SAID.match(document["outcome"]).groups()
+
+    for said, model, when in zip(means, models, ("before", "after"), strict=True):
+        of = document.get("statistics", document) if kind == "identification" else document
+        for name in model.split("."):
+            of = of[name]
+        rows_of_it = [row for page in pages for row in rows(page) if agrees(row[2], of["rms_mm"])]
+        cards = [
+            number
+            for page in pages
+            if label and label.format(when) in page
+            for number in value_behind(page, label.format(when))
+        ]
+        assert {*cards, *(row[1] for row in rows_of_it)} == {said}
+        assert largest is None or when == "before" or {row[4] for row in rows_of_it} == {largest}
+
+
 @pytest.mark.parametrize(
     ("kind", "fact"),
     [("identification", "Measured by"), ("identification", "Written"), ("diagnosis", "Written")],

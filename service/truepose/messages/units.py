@@ -73,6 +73,15 @@ class ConvertibleNumber(str):
         return conversion.localised(self._again(conversion))
 
 
+_FINE_MM, _COARSE_MM = 0.1, 10.0
+
+
+def length_form(value_mm: float) -> str:
+    """Return the Python format of a length: to 0.1 um below 0.1 mm, to 1 um below 10 mm, else to 10 um."""
+    decimals = 4 if abs(value_mm) < _FINE_MM else 3 if abs(value_mm) < _COARSE_MM else 2
+    return f".{decimals}f"
+
+
 _INCH_MM: Final = 25.4  # exactly
 _FAHRENHEIT_PER_K: Final = 1.8
 _ICE_F: Final = 32.0
@@ -145,7 +154,12 @@ class Units:
         return f"{self.number(number, unit)} {self.conversion(unit).symbol}".rstrip()
 
     def formatted(self, value: float | ConvertibleNumber, form: str, unit: str) -> str:
-        """Return a kept number as a Python format writes it, without the word for its unit."""
+        """Return a kept number as a Python format writes it, without the word for its unit.
+
+        A length without a format has the digits that lengths have everywhere.
+        """
+        if unit == "mm" and not form and isinstance(value, float):
+            form = length_form(value)
         conversion = self.conversion(unit or (value.unit if isinstance(value, ConvertibleNumber) else ""))
         return (
             value.shown(conversion)

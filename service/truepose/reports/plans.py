@@ -6,10 +6,10 @@ from typing import Final
 from truepose.domain.identification import NotIdentifiable
 from truepose.messages.catalogue import Catalogue
 from truepose.messages.message import Message, message
-from truepose.messages.units import ConvertibleNumber
+from truepose.messages.units import ConvertibleNumber, length_form
 from truepose.planning.prediction.errors import STEP, gains_mm
 from truepose.planning.prediction.plan import PromisedPlan
-from truepose.reports.rounding import format_fixed
+from truepose.reports.rounding import format_fixed, millimetres
 from truepose.reports.tables import Table, heads_of
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
@@ -103,9 +103,9 @@ def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
     rows = [
         (
             f"{'*' if point.n == plan.total else ''}{point.n}",
-            format_fixed(point.mean_mm, 4, "mm"),
+            millimetres(point.mean_mm),
             _between(*point.interval_90_mm),
-            format_fixed(point.worst_mm, 4, "mm"),
+            millimetres(point.worst_mm),
             gain,
         )
         for point, gain in zip(plan.curve, gained, strict=True)
@@ -114,5 +114,5 @@ def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
 
 
 def _between(low_mm: float, high_mm: float) -> str:
-    ends = (low_mm, high_mm)
-    return ConvertibleNumber(lambda shown: " - ".join(shown.formatted(end, ".4f") for end in ends), "mm")
+    ends = [(end, length_form(end)) for end in (low_mm, high_mm)]
+    return ConvertibleNumber(lambda shown: " - ".join(shown.formatted(*end) for end in ends), "mm")

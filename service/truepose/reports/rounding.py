@@ -7,7 +7,7 @@ and can print itself again in the unit of a reader.
 import math
 from collections.abc import Callable
 
-from truepose.messages.units import ConvertibleNumber
+from truepose.messages.units import ConvertibleNumber, length_form
 
 MISSING = "\N{EN DASH}"
 MINUS = "\N{MINUS SIGN}"
@@ -18,11 +18,11 @@ _EXACT_DECIMALS = 9  # rounding of pi / 2 and the like stays below; no drawing g
 
 
 def millimetres(value_mm: float) -> str:
-    """Return a length without unit: to 0.1 um below 0.1 mm, to 1 um below 10 mm, to 10 um from there on."""
+    """Return a length without unit, with the digits that sentences show too (`length_form`)."""
     if not math.isfinite(value_mm):
         return MISSING
-    decimals = 4 if abs(value_mm) < 0.1 else 3 if abs(value_mm) < 10.0 else 2
-    return ConvertibleNumber(lambda shown: _signed(shown.formatted(value_mm, f".{decimals}f")), "mm")
+    form = length_form(value_mm)
+    return ConvertibleNumber(lambda shown: _signed(shown.formatted(value_mm, form)), "mm")
 
 
 def with_minus(number: str) -> str:

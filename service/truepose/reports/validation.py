@@ -20,7 +20,7 @@ from truepose.reports.cover_page import DECIDED, Front, OneFigure, applied_rule,
 from truepose.reports.error_tables import Row, error_table, pair_rows, title_of, turns_table
 from truepose.reports.pose_test import pose_test_context, stated_conditions
 from truepose.reports.report import Description, Report
-from truepose.reports.rounding import format_rounded, millimetres, uncertainty, uncertainty_mm
+from truepose.reports.rounding import millimetres, uncertainty, uncertainty_mm
 from truepose.reports.tables import Table, on_terminal
 from truepose.reports.traceability import NOT_STATED, ReportConditions, with_temperature
 from truepose.reports.uncertainty_budget import scale_stated
@@ -208,15 +208,13 @@ def _rule(found: Validation, words: Catalogue) -> str:
 def _largest(found: Validation, words: Catalogue) -> OneFigure:
     """Return the error that a limit is held against, with its expanded uncertainty."""
     figures, name = found.position.identified, words.say("front.largest")
+    # The digits of the outcome above it, not those of its uncertainty: one figure is printed in one way.
+    value = words.units.quantity(millimetres(figures.max_mm), "mm")
     known = None if found.uncertainty is None else found.uncertainty.position
     if known is None:
-        return OneFigure(
-            name, words.units.quantity(millimetres(figures.max_mm), "mm"), words.say("front.of", n=figures.n)
-        )
-    expanded = 2.0 * known.identified.max_mm
-    value = format_rounded(figures.max_mm, expanded)
-    remark = words.say("front.of_with", u=uncertainty(expanded), n=figures.n)
-    return OneFigure(name, words.units.quantity(value, "mm"), remark)
+        return OneFigure(name, value, words.say("front.of", n=figures.n))
+    expanded = uncertainty(2.0 * known.identified.max_mm)
+    return OneFigure(name, value, words.say("front.of_with", u=expanded, n=figures.n))
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import Message, Text, message, together
 from truepose.reports.cover_page import OneFigure
-from truepose.reports.rounding import format_rounded, millimetres, uncertainty
+from truepose.reports.rounding import millimetres, uncertainty
 from truepose.reports.traceability import NOT_STATED
 from truepose.reports.uncertainty_budget import Budget
 
@@ -113,8 +113,8 @@ def _figures(
     """Yield the name of each number by its key, the number, and a remark."""
     nominal, identified = pair.nominal, pair.identified
     factor = nominal.mean_mm / identified.mean_mm if identified.mean_mm > 0.0 else float("inf")
-    yield "headline.mean_before", _mean(nominal, budget.before_mm), _expanded(budget.before_mm)
-    yield "headline.mean_after", _mean(identified, budget.after_mm), _expanded(budget.after_mm)
+    yield "headline.mean_before", _length(millimetres(nominal.mean_mm)), _expanded(budget.before_mm)
+    yield "headline.mean_after", _length(millimetres(identified.mean_mm)), _expanded(budget.after_mm)
     before = message("headline.largest_before", largest=millimetres(nominal.max_mm))
     yield "headline.largest_after", _length(millimetres(identified.max_mm)), before
     noise = _length(millimetres(identified.noise_mm))
@@ -130,10 +130,6 @@ def _noise_of(identification: Identification, identified: Statistics) -> Message
     held_out = identification.validation is not None
     key = "headline.noise_alone.held_out" if held_out else "headline.noise_alone.calibration"
     return message(key, n=identified.n)
-
-
-def _mean(statistics: Statistics, u_mm: float) -> Message:
-    return _length(format_rounded(statistics.mean_mm, 2 * u_mm))
 
 
 def _length(number: str) -> Message:

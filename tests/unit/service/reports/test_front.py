@@ -55,7 +55,7 @@ def test_the_decision_with_its_uncertainty_is_the_first_word(verdict, word, look
 def test_the_figure_is_the_largest_error_with_its_expanded_uncertainty():
     figure = front().figure
 
-    assert figure.value == "0.090 mm"
+    assert figure.value == "0.0900 mm"
     assert figure.remark == "U = 0.036 mm (k = 2), of 300 readings"
 
 

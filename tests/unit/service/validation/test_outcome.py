@@ -23,7 +23,7 @@ DECISION = Decision("guard band", 0.1, 0.0812, 0.01, "conforms")
 VALIDATION = Validation("position", PAIR, None, 0.1, True, decision=DECISION)
 IDENTIFICATION = make_identification(validation=PAIR)
 DIAGNOSIS = make_diagnosis(nominal=NOMINAL, after=MODEL)
-BOTH = "Mean error 0.499 mm before (nominal), 0.033 mm after; "
+BOTH = "Mean error 0.499 mm before (nominal), 0.0331 mm after; "
 
 
 @pytest.mark.parametrize(
@@ -59,8 +59,8 @@ def test_a_diagnosis_compares_with_nominal_and_not_with_the_model_that_it_starts
 @pytest.mark.parametrize(
     ("found", "said"),
     [
-        (Outcome(None, MODEL), "Mean error not recorded before (nominal), 0.033 mm after; "),
-        (Outcome(NOMINAL, MODEL, "length"), "Mean length error 0.499 mm before (nominal), 0.033 mm after; "),
+        (Outcome(None, MODEL), "Mean error not recorded before (nominal), 0.0331 mm after; "),
+        (Outcome(NOMINAL, MODEL, "length"), "Mean length error 0.499 mm before (nominal), 0.0331 mm after; "),
         (Outcome(None, None), "No model was identified, so there is no error after "),
     ],
 )
