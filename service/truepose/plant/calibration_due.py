@@ -1,6 +1,7 @@
 """Which robots are to be measured next, and why: every reason with its figures, the most urgent first.
 
-First robots of which nobody knows how they stand; then those whose last validation failed, whose last
+First robots of which nobody knows how they stand; then those whose last validation failed, could not be
+decided, or found a model worse than it claims (without a limit nothing fails); then those whose last
 measurement proves nothing, that carry another tool or stand elsewhere than their model knows, or that a
 diagnosis does not explain; then what months foretell before the next day; then age; last what a diagnosis
 asks for (decision 0069). The clock of a cell may be wrong: a robot whose last day is yet to come would
@@ -18,7 +19,7 @@ from truepose.messages.message import Message, Value, message
 from truepose.storage.caches import FleetComparison, LimitForecast
 from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 from truepose.storage.plant.result_projections import ToldKind
-from truepose.storage.results.items import FAILED
+from truepose.storage.results.items import FAILED, UNDECIDED, WORSE
 
 _MONTH_DAYS: Final = 30.0  # a quick check each month
 _AHEAD: Final = timedelta(days=1)  # of the plant's day, in another time zone
@@ -31,6 +32,8 @@ class DueReason(StrEnum):
     UNMEASURED = "unmeasured"
     DOUBTFUL = "doubtful"  # its last day is not over yet, or is no day
     FAILED = "failed"  # its last validation
+    UNDECIDED = "undecided"  # its last validation, of which the readings are too uncertain for the limit
+    WORSE = "worse"  # by its last validation than its model claims; without a limit nothing fails
     UNCERTIFIED = "uncertified"  # what measured it last had no valid certificate
     CHANGED = "changed"  # tool or place since its model was made
     UNEXPLAINED = "unexplained"  # by its last diagnosis
@@ -149,16 +152,23 @@ def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
 
 
 def _of_validation(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
-    """Yield that the last validation failed; a model that was made after it answers it."""
+    """Yield what the last validation leaves amiss; a model that was made after it answers it."""
+    found = validation_of_newest_model(told)
+    if found is not None and found.verdict in _AMISS:
+        yield Reason(_AMISS[found.verdict], _amiss(found), times_allowed(found), found)
+
+
+def validation_of_newest_model(told: Mapping[ToldKind, ResultFacts]) -> ResultFacts | None:
+    """Return the last validation of a robot; None: there is none, or a model was made after it."""
     found, model = told.get("validation"), told.get("model")
-    if found is None or found.verdict != FAILED:
-        return
-    if model is None or not model.is_later_than(found):
-        yield Reason(DueReason.FAILED, _failed(found), _times_allowed(found), found)
+    return None if found is None or (model is not None and model.is_later_than(found)) else found
 
 
-def _failed(found: ResultFacts) -> Message:
-    """Return that a validation failed, with the figures that it has."""
+_AMISS: Final = {FAILED: DueReason.FAILED, UNDECIDED: DueReason.UNDECIDED, WORSE: DueReason.WORSE}
+
+
+def _amiss(found: ResultFacts) -> Message:
+    """Return what a validation leaves amiss, with the figures that it has."""
     of: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
     if found.figure_mm is None:
         return message("plant.why.failed_beyond_measure", **of)
@@ -166,10 +176,11 @@ def _failed(found: ResultFacts) -> Message:
         return message("plant.why.failed", **of, figure=found.figure_mm)
     if found.document.get("promised"):
         return message("plant.why.broken_promise", **of, figure=found.figure_mm, promised=found.limit_mm)
-    return message("plant.why.beyond_limit", **of, figure=found.figure_mm, limit=found.limit_mm)
+    key = "plant.why.undecided" if found.verdict == UNDECIDED else "plant.why.beyond_limit"
+    return message(key, **of, figure=found.figure_mm, limit=found.limit_mm)
 
 
-def _times_allowed(found: ResultFacts) -> float:
+def times_allowed(found: ResultFacts) -> float:
     """Return by how many times an error exceeds what is allowed; 1 where nobody said what is."""
     if found.figure_mm is None:
         return math.inf  # no finite number was kept: it is beyond every limit

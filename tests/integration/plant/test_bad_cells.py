@@ -219,7 +219,11 @@ async def test_a_figure_that_is_not_finite_tells_nothing_and_its_record_is_kept(
     await plant.journal.keep(branch, [CollectedLink(1, 0, "identifications", 1, bytes(32), "{}", row)], None)
 
     told = await plant.database.read(lambda c: c.execute(select(plant_told)).one())
-    assert (told.verdict, told.figure_mm, told.document) == ("converged", None, {"before_mm": 0.25})
+    assert (told.verdict, told.figure_mm, told.document) == (
+        "converged",
+        None,
+        {"before_mm": 0.25, "quantity": None},
+    )
 
 
 def campaigns(number):

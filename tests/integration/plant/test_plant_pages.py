@@ -110,6 +110,44 @@ async def page(service, path, language="en"):
     return answer.text
 
 
+def outcome(page):
+    """Return the sentence below the title of a page."""
+    return html.unescape(re.search(r'</h1>\s*<p class="outcome">([^<]+)</p>', page).group(1))
+
+
+async def test_the_plant_and_a_robots_life_begin_with_one_sentence_about_limits(service):
+    unvalidated = outcome(await page(service, "/"))
+    table, told = validation("120-1", 7, 3, "failed")
+    await lay(service, *robot("120-1", 3), (table, told))
+
+    failed, of_robot = outcome(await page(service, "/")), outcome(await page(service, "/robots/120-1"))
+
+    assert unvalidated.startswith("Robot within its limit in 0 of 1 cells; not validated in 1: validate")
+    assert failed == (
+        "Robot within its limit in 0 of 1 cells; failed in 1 (worst: 120-1 in left arm, largest error 0.400 "
+        "mm, limit 0.3 mm): fail."
+    )
+    assert of_robot == "Largest 0.400 mm, limit 0.3 mm: fail."
+
+
+@pytest.mark.parametrize("verdict", ["no_limit", "passed"])  # as it is told now, and as it was once
+async def test_a_validation_without_a_limit_neither_passes_nor_fails(service, verdict):
+    table, told = validation("120-1", 7, 3, verdict)
+    means = {"promised": True, "before_mm": 0.499, "after_mm": 0.0331}
+    await lay(service, *robot("120-1", 3), (table, {**told, "document": means}))
+
+    at_a_glance, of_robot = outcome(await page(service, "/")), outcome(await page(service, "/robots/120-1"))
+
+    assert at_a_glance == (
+        "Robot within its limit in 0 of 1 cells; no limit set in 1: validate with a limit to get a pass or "
+        "fail."
+    )
+    assert of_robot == (
+        "Mean error 0.499 mm before (nominal), 0.0331 mm after; no limit set: set a limit to get a pass or "
+        "fail."
+    )
+
+
 async def test_a_plant_without_robots_says_so(service):
     shown = await page(service, "/")
 
@@ -242,10 +280,10 @@ async def test_what_changed_is_said_by_robot_the_largest_worsening_first(service
     shown, told = await page(service, "/"), (await service.get("/api/v1/plant/changes")).json()
 
     before, now = TODAY - timedelta(days=40), TODAY - timedelta(days=3)
-    rose = "Mean error of the identified model rose from 0.050 mm on {} to {} mm on {} (identification {})."
+    rose = "Mean error of the identified model rose from 0.0500 mm on {} to {} mm on {} (identification {})."
     expected = [
-        ("collected today", rose.format(before, "0.080", now, 6), "http://localhost/identifications/6"),
-        ("known", rose.format(before, "0.060", now, 4), "http://localhost/identifications/4"),
+        ("collected today", rose.format(before, "0.0800", now, 6), "http://localhost/identifications/6"),
+        ("known", rose.format(before, "0.0600", now, 4), "http://localhost/identifications/4"),
     ]
     assert changed(shown) == [(serial, sentence, [href]) for serial, sentence, href in expected]
     assert [(one["robot_serial_number"], one["sentence"], one["page"]) for one in told] == expected
@@ -265,7 +303,7 @@ async def test_what_comes_in_between_two_looks_changes_what_is_said(service):
     assert changed(quiet) == []
     ((serial, sentence, _),) = changed(fell)
     assert serial == "120-1"
-    assert " fell from 0.050 mm on " in sentence
+    assert " fell from 0.0500 mm on " in sentence
 
 
 async def test_a_number_of_another_chain_leads_nowhere(service):

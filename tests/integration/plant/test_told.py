@@ -33,7 +33,8 @@ async def test_results_tell_their_figures_and_what_the_robot_carried(open_cell, 
 
     rows = {row.kind: row for row in await plant.database.read(lambda c: c.execute(select(plant_told)).all())}
     validation = rows["validation"]
-    assert (validation.verdict, validation.document["promised"]) == ("passed", True)
+    assert (validation.verdict, validation.document["promised"]) == ("no_limit", True)
+    assert [round(validation.document[name], 4) for name in ("before_mm", "after_mm")] == [1.1717, 0.0311]
     assert round(validation.figure_mm, 4) == 0.0311
     assert round(validation.limit_mm, 4) == 0.0301
     assert (rows["diagnosis"].verdict, rows["diagnosis"].document["causes"]) == ("consistent", [])

@@ -35,6 +35,7 @@ from truepose.storage.plant.tables import (
     plant_told,
 )
 from truepose.storage.queries import Repository
+from truepose.storage.results.items import FAILED, NO_LIMIT, PASSED, WORSE
 
 _KINDS: Final[tuple[ToldKind, ...]] = ("campaign", "model", "validation", "diagnosis", "identification")
 _EVERY: Final = plant_told.alias("every")
@@ -211,7 +212,15 @@ def _chosen(*choices: Any) -> Any:
 def result_figures(row: Row[Any]) -> ResultFacts:
     """Return what a result tells as it was read."""
     seen = {name: getattr(row, name) for name in ResultFacts.__dataclass_fields__}
-    return ResultFacts(**{**seen, "measured_on": day_said(row.measured_on)})
+    verdict = _WITHOUT_LIMIT.get(row.verdict) if row.document.get("promised") else None
+    return ResultFacts(**{
+        **seen,
+        "measured_on": day_said(row.measured_on),
+        "verdict": verdict or row.verdict,
+    })
+
+
+_WITHOUT_LIMIT: Final = {PASSED: NO_LIMIT, FAILED: WORSE}  # of what was collected before it was told apart
 
 
 _RECORD: Final = "campaigns"

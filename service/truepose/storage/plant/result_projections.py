@@ -17,7 +17,7 @@ from truepose.storage.plant.certificates import add_certificates, stated_certifi
 from truepose.storage.plant.records import Branch, CollectedLink, Document, day_of, document_in
 from truepose.storage.plant.tables import plant_results, plant_told
 from truepose.storage.record_insertion import add_row
-from truepose.storage.results.items import FAILED, PASSED
+from truepose.storage.results.items import validation_state
 from truepose.storage.rows import to_row
 
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]
@@ -91,14 +91,15 @@ def _identification(row: Document) -> Projection:
     found = document_in(row, "document")
     held_out = found.get("validation") or found.get("cross_validation") or {}
     after, before = (_mean(held_out.get(model)) for model in ("identified", "nominal"))
-    told = {"before_mm": before}
+    told = {"before_mm": before, "quantity": found.get("quantity")}
     return Projection("identification", str(found["status"]), after, None, told, _of(row, "campaign"))
 
 
 def _diagnosis(row: Document) -> Projection:
     found = document_in(row, "summary")
     told = {
-        "before_mm": _mean(found.get("before")),
+        "before_mm": _mean(found.get("nominal")),  # `before` is of the model that it starts from
+        "quantity": found.get("quantity"),
         "asks": len(found.get("next_measurements", ())),
         "causes": [_cause(finding) for finding in found["findings"]],
     }
@@ -117,10 +118,15 @@ def _validation(row: Document) -> Projection:
     found = document_in(row, "document")
     identified, limit = found["position"]["identified"], found["limit_mm"]
     figure = identified["mean_mm"] if limit is None else identified["max_mm"]
-    told = {"promised": limit is None, "model": row.get("model_id")}
+    told = {
+        "promised": limit is None,
+        "model": row.get("model_id"),
+        "quantity": found.get("quantity"),
+        "before_mm": _mean(found["position"].get("nominal")),
+        "after_mm": _mean(identified),
+    }
     allowed = found.get("claimed_mm") if limit is None else limit
-    verdict = PASSED if found["passed"] else FAILED
-    return Projection("validation", verdict, figure, allowed, told, _of(row, "campaign"))
+    return Projection("validation", validation_state(found), figure, allowed, told, _of(row, "campaign"))
 
 
 def _model(row: Document) -> Projection:

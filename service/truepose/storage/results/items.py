@@ -232,6 +232,18 @@ _VALIDATION_STATES: Final = {
     "does not conform": FAILED,
     "cannot be decided": UNDECIDED,
 }
+
+
+def validation_state(document: Mapping[str, Any]) -> str:
+    """Return what a stored validation came to, as lists of a cell have it."""
+    verdict = (document.get("decision") or {}).get("verdict")
+    if verdict in _VALIDATION_STATES:
+        return _VALIDATION_STATES[verdict]
+    if document["limit_mm"] is None:
+        return NO_LIMIT if document["passed"] else WORSE
+    return PASSED if document["passed"] else FAILED  # of a program that knew no decision rule
+
+
 _decision: Final = text_at(validations.c.document, "$.decision.verdict")
 _met: Final = truth_at(validations.c.document, "$.passed")
 _VALIDATIONS = Source(

@@ -13,6 +13,7 @@ from fastapi.responses import HTMLResponse
 from truepose.domain.cell import Standing
 from truepose.plant.calibration_due import DueReason, RobotStatus, latest_day
 from truepose.plant.changes import RecordedChange, RobotChanged
+from truepose.plant.outcome import plant_outcome
 from truepose.storage.plant.certificates import CertificateRecord
 from truepose.storage.plant.overview import RobotMeasured
 from truepose.storage.plant.records import Outcome, Visit
@@ -30,6 +31,8 @@ _STATES: Final[Mapping[str, tuple[str, str]]] = {  # how a badge looks, and what
     DueReason.UNMEASURED: ("warn", "plant.state.unmeasured"),
     DueReason.DOUBTFUL: ("warn", "plant.state.doubtful"),
     DueReason.FAILED: ("bad", "plant.state.failed"),
+    DueReason.UNDECIDED: ("warn", "plant.state.undecided"),
+    DueReason.WORSE: ("warn", "plant.state.worse"),
     DueReason.UNCERTIFIED: ("bad", "plant.state.uncertified"),
     DueReason.CHANGED: ("warn", "plant.state.changed"),
     DueReason.UNEXPLAINED: ("warn", "plant.state.unexplained"),
@@ -60,10 +63,12 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
     compared = await here.comparisons.of(robot.robot for robot in measured)
     robots = await standing(here, measured, papers, compared, today)
     due = [robot for robot in robots if robot.reasons]
+    told = await here.told.newest(latest_day(today))
     changed = await since_a_week(here, papers, measured, today)
     lately = await here.overview.lately(changed.since, _NEXT)
     return visit.page(
         "plant/plant.html",
+        outcome=plant_outcome((cell.name for cell in here.collector.cells), measured, told),
         due=[due_robot(robot, places) for robot in due[:_NEXT]],
         due_total=len(due),
         rule=here.due,

@@ -12,6 +12,7 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.plant.calibration_due import latest_day
+from truepose.plant.outcome import robot_outcome
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.queries import DayMeasured, ResultRecord
 from truepose.web.pages.rendering import Visit, Visited, Whole, render_part
@@ -58,10 +59,12 @@ async def robot_life_page(
         return _missing(visit, serial)
     compared, places = await here.comparisons.of([found[0].robot]), await places_of(here)
     (robot,) = await standing(here, found, await here.certificates.that_count(), compared, today)
+    told = await here.told.newest(latest_day(today))
     results = await here.looks.life_of_robot(serial)
     return visit.page(
         "plant/robot.html",
         robot=found[0],
+        outcome=robot_outcome(told.get(serial, {})),
         due=due_robot(robot, places),
         results=result_links(_to_come_last(results, upto), places),
         days=_to_come_last((await here.looks.days_of_robot(serial))[::-1], upto),

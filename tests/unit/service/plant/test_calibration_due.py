@@ -51,16 +51,39 @@ def test_where_nothing_speaks_for_it_nothing_is_said():
 
 def test_a_validation_that_failed_says_by_how_much():
     beyond = told("validation", 3, "failed", 0.412, 0.3, promised=False)
-    broken = told("validation", 3, "failed", 0.412, 0.031, promised=True)
 
     assert reasons(beyond) == [
         (
             DueReason.FAILED,
-            "Validation 3 of 2026-11-20 failed: largest error 0.412 mm, limit 0.300 mm.",
+            "Validation 3 of 2026-11-20 failed: largest error 0.412 mm, limit 0.3 mm.",
         )
     ]
-    (promise,) = reasons(broken)
-    assert promise[1].endswith("mean error 0.412 mm, compared with 0.031 mm predicted by the model.")
+
+
+def test_without_a_limit_nothing_fails_but_a_model_that_breaks_its_promise_is_due():
+    kept = told("validation", 3, "no_limit", 0.021, 0.031, promised=True)
+    broken = told("validation", 3, "worse", 0.412, 0.031, promised=True)
+    useless = told("validation", 3, "worse", 0.412, None, promised=True)
+
+    assert reasons(kept) == []
+    ((why, sentence),) = reasons(broken)
+    assert why is DueReason.WORSE
+    assert sentence.endswith(
+        "mean error 0.412 mm, compared with 0.0310 mm predicted by the model; no limit was set."
+    )
+    assert "failed" not in sentence + reasons(useless)[0][1]
+
+
+def test_a_validation_that_cannot_be_decided_is_due_and_did_not_fail():
+    undecided = told("validation", 3, "undecided", 0.29, 0.3, promised=False)
+
+    ((why, sentence),) = reasons(undecided)
+
+    assert why is DueReason.UNDECIDED
+    assert sentence.startswith(
+        "Validation 3 of 2026-11-20 cannot be decided: largest error 0.290 mm, limit 0.3 mm;"
+    )
+    assert reasons(undecided, told("model", 2)) == []
 
 
 def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():

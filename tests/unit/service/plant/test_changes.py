@@ -56,14 +56,14 @@ def test_an_error_says_from_what_to_what_and_by_which_records():
     assert changes(told("identification", 4, 33, 0.041), told("identification", 9, 3, 0.055)) == [
         (
             ChangeKind.ERROR,
-            "Mean error of the identified model rose from 0.041 mm on 2026-10-21 to 0.055 mm on 2026-11-20 "
+            "Mean error of the identified model rose from 0.0410 mm on 2026-10-21 to 0.0550 mm on 2026-11-20 "
             "(identification 9).",
         )
     ]
     assert changes(told("validation", 4, 33, 0.31, 0.3), told("validation", 9, 3, 0.08, 0.3)) == [
         (
             ChangeKind.ERROR,
-            "Largest error in validation fell from 0.310 mm on 2026-10-21 to 0.080 mm on 2026-11-20 "
+            "Largest error in validation fell from 0.310 mm on 2026-10-21 to 0.0800 mm on 2026-11-20 "
             "(validation 9).",
         )
     ]
@@ -75,7 +75,9 @@ def test_a_mean_is_not_compared_with_a_largest_error():
     ((what, sentence),) = changes(largest, mean)
 
     assert what == ChangeKind.ERROR
-    assert sentence.startswith("Mean error in validation: 0.080 mm on 2026-11-20 (validation 9); there is no")
+    assert sentence.startswith(
+        "Mean error in validation: 0.0800 mm on 2026-11-20 (validation 9); there is no"
+    )
 
 
 @pytest.mark.parametrize("before", [{}, told("identification", 4, 33, None)])
@@ -180,6 +182,6 @@ def test_every_language_says_an_error_in_the_units_of_its_reader(language):
     words = catalogue(f"{language}-x-inch")
     spoken = words.spoken(found.changes[0].sentence)
 
-    assert f"0{words.units.decimal}00200 in" in spoken
-    assert f"0{words.units.decimal}00300 in" in spoken
+    assert f"0{words.units.decimal}002000 in" in spoken
+    assert f"0{words.units.decimal}003000 in" in spoken
     assert "mm" not in spoken
