@@ -12,6 +12,7 @@ from rich.text import Text
 from truepose.exchange.results.fleet import SharedDocument, shared_parameters
 from truepose.fleet.changes import Account, RealChange
 from truepose.fleet.minimum_detectable_change import least_of_robots
+from truepose.fleet.outcome import fleet_outcome
 from truepose.fleet.sentences import (
     cause_said,
     change_said,
@@ -66,6 +67,7 @@ class FleetReport(Report):
         account, limit_mm = self.account, self.limit_mm
         each = enumerate(account.named)
         shown = {
+            "outcome": words.spoken(fleet_outcome(account, limit_mm)),
             "headline": words.spoken(headline(account)),
             "good": not account.named,
             "compared": [words.spoken(one) for one in (comparison_sentence(account), *scatter_said(account))],
@@ -164,13 +166,14 @@ def fleet_summary(account: Account, limit_mm: float, words: Catalogue = IN_ENGLI
 
 def _summary(account: Account, limit_mm: float, words: Catalogue) -> Iterator[RenderableType]:
     changes, following = change_table(account, limit_mm, words), due_table(account, limit_mm, words)
-    yield from (Text(words.spoken(one)) for one in (comparison_sentence(account), headline(account)))
+    first = (fleet_outcome(account, limit_mm), comparison_sentence(account), headline(account))
+    yield from (Text(words.spoken(one)) for one in first)
     if account.named:
         without_rivals = Table(changes.heads[:-1], [row[:-1] for row in changes.rows], names=6)
         yield on_terminal(without_rivals, words.say("fleet.head.changes"))
     rivals = (one for named in account.named for one in rivals_said(named))
-    first = next_said(due(account, limit_mm)[0], limit_mm)
-    yield from (Text(words.spoken(one)) for one in (*rivals, *least_said(account), first))
+    due_first = next_said(due(account, limit_mm)[0], limit_mm)
+    yield from (Text(words.spoken(one)) for one in (*rivals, *least_said(account), due_first))
     yield on_terminal(Table(following.heads, following.rows[:_NEXT], names=3), words.say("fleet.head.next"))
     yield from (Text(words.spoken(one)) for one in scatter_said(account))
 

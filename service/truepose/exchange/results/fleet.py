@@ -15,6 +15,7 @@ from truepose.fleet.changes import Account, RealChange
 from truepose.fleet.interim_check import CauseGrowth
 from truepose.fleet.minimum_detectable_change import least_of_instruments, least_of_robots
 from truepose.fleet.mixed_model import uncertainties
+from truepose.fleet.outcome import fleet_outcome
 from truepose.fleet.predicted_accuracy import PredictedAccuracy
 from truepose.fleet.sentences import (
     change_said,
@@ -237,6 +238,10 @@ class LeftOutDocument(Document):
 class FleetDocument(Document):
     """Result of `truepose fleet --json`."""
 
+    outcome: Spoken = Field(
+        description="Summary: robots within the limit, the largest change, pass or fail or what is missing "
+        "for it."
+    )
     robot: str = Field(description="Robot type.")
     robots: list[str]
     instruments: list[str]
@@ -283,6 +288,7 @@ def fleet_document(
     fleet = account.fleet
     return FleetDocument.of(
         fleet,
+        outcome=fleet_outcome(account, limit_mm),
         robot=robot.name,
         campaigns=len(fleet.day),
         first=_date(fleet.day.min()),

@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from truepose.analysis.errors import ClusterError
 from truepose.domain.errors import TrueposeError, text_of
+from truepose.fleet.outcome import fleet_missing
 from truepose.plant.calibration_due import latest_day
 from truepose.storage.plant.queries import ResultRecord
 from truepose.web.pages.rendering import Visit, Visited, Whole, render_part
@@ -78,7 +79,14 @@ async def fleet_page(
     shown = FleetContent()
     if chosen is not None and chosen.is_enough:
         shown = await _content(visit, here, FleetChoice(chosen.name, chosen.usable, limit), whole=whole)
-    return visit.page("plant/fleet.html", types=types, chosen=chosen, shown=shown, limit=limit, most=_MOST)
+    return visit.page(
+        "plant/fleet.html",
+        types=types,
+        chosen=chosen,
+        shown=shown,
+        missing=fleet_missing(limit),
+        most=_MOST,
+    )
 
 
 async def _content(visit: Visit, here: PlantContext, wanted: FleetChoice, *, whole: bool) -> FleetContent:
