@@ -122,10 +122,10 @@ async def test_the_plant_and_a_robots_life_begin_with_one_sentence_about_limits(
 
     failed, of_robot = outcome(await page(service, "/")), outcome(await page(service, "/robots/120-1"))
 
-    assert unvalidated.startswith("Robot within its limit in 0 of 1 cells; not validated in 1: validate")
+    assert unvalidated.startswith("Robot within its limit in 0 of 1 cells; not validated in 1; overall: ")
     assert failed == (
         "Robot within its limit in 0 of 1 cells; failed in 1 (worst: 120-1 in left arm, largest error 0.400 "
-        "mm, limit 0.3 mm): fail."
+        "mm, limit 0.3 mm); overall: fail."
     )
     assert of_robot == "Largest 0.400 mm, limit 0.3 mm: fail."
 
@@ -139,8 +139,8 @@ async def test_a_validation_without_a_limit_neither_passes_nor_fails(service, ve
     at_a_glance, of_robot = outcome(await page(service, "/")), outcome(await page(service, "/robots/120-1"))
 
     assert at_a_glance == (
-        "Robot within its limit in 0 of 1 cells; no limit set in 1: validate with a limit to get a pass or "
-        "fail."
+        "Robot within its limit in 0 of 1 cells; no limit set in 1; overall: validate with a limit to get a "
+        "pass or fail."
     )
     assert of_robot == (
         "Mean error 0.499 mm before (nominal), 0.0331 mm after; no limit set: set a limit to get a pass or "

@@ -41,7 +41,7 @@ def test_a_robot_that_changed_by_more_than_the_limit_fails_the_fleet_and_is_name
 
     assert re.fullmatch(
         r"Change within the limit of \S+ mm in 5 of 6 robots; beyond it in 1 "
-        r"\(largest: robot 4, \S+ mm\): fail\.",
+        r"\(largest: robot 4, \S+ mm\); overall: fail\.",
         said,
     )
 
@@ -52,7 +52,7 @@ def test_a_change_within_the_limit_is_named_too(grown):
     said = english(fleet_outcome(grown, limit_mm))
 
     assert "in 6 of 6 robots; largest: robot 4, " in said
-    assert said.endswith(" mm: pass.")
+    assert said.endswith(" mm; overall: pass.")
 
 
 def test_where_nothing_changed_it_passes_if_a_change_as_large_would_have_been_detected(steady):
@@ -60,10 +60,10 @@ def test_where_nothing_changed_it_passes_if_a_change_as_large_would_have_been_de
 
     assert steady.named == ()
     assert english(fleet_outcome(steady, 1.1 * least)).endswith(
-        "in 6 of 6 robots; no significant change found: pass."
+        "in 6 of 6 robots; no significant change found; overall: pass."
     )
     assert re.search(
-        r"found: cannot be decided, as a change of up to \S+ mm may be undetected\.$",
+        r"found; overall: cannot be decided, as a change of up to \S+ mm may be undetected\.$",
         english(fleet_outcome(steady, 0.5 * least)),
     )
 
@@ -76,7 +76,7 @@ def test_robots_that_were_measured_on_one_day_are_not_known():
 
     assert said == (
         "Change within the limit of 1e+06 mm in 4 of 6 robots; no significant change found; not known in 2, "
-        "measured on one day only: measure these on another day to get a pass or fail."
+        "measured on one day only; overall: measure these on another day to get a pass or fail."
     )
 
 

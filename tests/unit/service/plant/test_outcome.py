@@ -82,7 +82,9 @@ def said(names, **cells):
 
 
 def test_a_plant_passes_where_every_cell_has_a_robot_within_its_limit():
-    assert said("ab", a=validation(), b=validation()) == "Robot within its limit in 2 of 2 cells: pass."
+    assert (
+        said("ab", a=validation(), b=validation()) == "Robot within its limit in 2 of 2 cells; overall: pass."
+    )
 
 
 def test_what_failed_is_said_with_the_worst_and_what_is_missing_beside_it():
@@ -97,17 +99,17 @@ def test_what_failed_is_said_with_the_worst_and_what_is_missing_beside_it():
 
     assert said("abcdefg", **cells) == (
         "Robot within its limit in 1 of 7 cells; failed in 2 (worst: R-c in c, largest error 0.300 mm, "
-        "limit 0.1 mm); cannot be decided in 1; no limit set in 1; not validated in 2: fail."
+        "limit 0.1 mm); cannot be decided in 1; no limit set in 1; not validated in 2; overall: fail."
     )
 
 
 def test_where_nothing_failed_what_is_missing_ends_the_sentence():
     assert said("ab", a=validation()) == (
-        "Robot within its limit in 1 of 2 cells; not validated in 1: validate with a limit to get a pass or "
-        "fail."
+        "Robot within its limit in 1 of 2 cells; not validated in 1; overall: validate with a limit to get a "
+        "pass or fail."
     )
     assert said("a", a=WITHOUT_LIMIT).startswith(
-        "Robot within its limit in 0 of 1 cells; no limit set in 1: "
+        "Robot within its limit in 0 of 1 cells; no limit set in 1; overall: "
     )
     assert said("") == "No cell belongs to this plant yet, so nothing can pass or fail."
 
@@ -120,7 +122,7 @@ def test_a_cell_stands_as_its_worst_robot_and_robots_elsewhere_are_not_counted()
 
     assert english(plant_outcome(["a"], measured, results)) == (
         "Robot within its limit in 0 of 1 cells; failed in 1 (worst: 2 in a, its error is not a finite "
-        "number): fail."
+        "number); overall: fail."
     )
 
 
