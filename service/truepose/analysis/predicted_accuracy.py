@@ -44,13 +44,15 @@ def promise_of_session(session: MeasuredSession, n: int | None) -> Promised:
 def _with_readings(subject: Subject, session: MeasuredSession) -> Subject:
     """Return the subject with what was measured; what readings are worth is known once they make a model."""
     campaign = assemble_campaign(session)
-    points, model = campaign.calibration, identify(campaign).model
+    points, found = campaign.calibration, identify(campaign)
+    model, judging = found.model, found.judging
     if points is None:
         return subject
     if model is not None:
         shown = of_campaign(campaign, model).knowns
         knowns = replace(subject.knowns, accuracy=shown.accuracy, discrepancy=shown.discrepancy)
-        subject = replace(subject, knowns=knowns)
+        nominal_mm = None if judging is None else judging.nominal.mean_mm
+        subject = replace(subject, knowns=knowns, nominal_mm=nominal_mm)
     # Places and not readings: a place that is measured again tells of noise, and of the arm nothing new.
     different = len(np.unique(sites(points.stops)))
     return replace(subject, measured=ExistingReadings(points.stops.joints_rad, points.nest, different))

@@ -1,5 +1,6 @@
 """The command that plans a session and says what it promises. Heavy imports wait until it runs."""
 
+import dataclasses
 import functools
 import math
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from truepose.analysis.best_plan import MakePlan
     from truepose.domain.cell import KeepOuts
     from truepose.domain.robot import Nest, Robot
+    from truepose.messages.message import Message
     from truepose.planning.contacts.loop_configurations import LoopPlanRequest
     from truepose.planning.prediction.plan import PromisedPlan, WorkVolume
     from truepose.planning.prediction.robots_and_cells import Subject
@@ -72,6 +74,9 @@ def plan_command(
         float | None,
         typer.Option(help="Error per axis that no parameter describes (default: as known for the robot)."),
     ] = None,
+    limit_mm: Annotated[
+        float | None, typer.Option(help="Predict whether the largest error stays within this limit.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
     tries: Annotated[
         int,
@@ -102,6 +107,7 @@ def plan_command(
         made = _for_loop(asked, loop, lacking_mm)
     else:
         made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
+    made = dataclasses.replace(made, limit_mm=_limit(limit_mm))
     if out is not None:
         _write(out, made.plan)
     if report is not None:
@@ -114,6 +120,12 @@ def _size(size_mm: float | None, option: str) -> float | None:
     if size_mm is not None and not 0.0 <= size_mm < math.inf:
         raise ConfigurationError(f"{option} {size_mm:g}: give a standard deviation in mm, 0 or more.")
     return size_mm
+
+
+def _limit(limit_mm: float | None) -> float | None:
+    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
+        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give a limit above 0 mm.")
+    return limit_mm
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +212,15 @@ class _RobotPlan:
     robot: "Robot"
     plan: "PromisedPlan"
     minutes: float
+    nominal_mm: float | None = None  # on what was measured before
+    limit_mm: float | None = None  # of the largest error
+
+    @property
+    def outcome(self) -> "Message":
+        """The sentence that everything about it begins with."""
+        from truepose.planning.prediction.outcome import plan_outcome
+
+        return plan_outcome(self.plan, self.nominal_mm, self.limit_mm)
 
 
 def _for_tracker(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPlan:
@@ -220,7 +241,8 @@ def _for_tracker(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPla
         one_sided=asked.one_sided,
     )
     plan = asked.tries.best(asked.n, planned)
-    return _RobotPlan(space.robot, plan, minutes_of(session_plan(plan), space, len(knowns.fixed_nests)))
+    minutes = minutes_of(session_plan(plan), space, len(knowns.fixed_nests))
+    return _RobotPlan(space.robot, plan, minutes, subject.nominal_mm)
 
 
 def _subject(asked: _PlanRequest, discrepancy_mm: float | None) -> "Subject":
@@ -244,7 +266,8 @@ def _of_campaign(asked: _PlanRequest) -> "Subject":
         raise ConfigurationError(
             f"No accuracy can be predicted from this campaign: {english(answer.message)}"
         )
-    return of_campaign(campaign, answer.model)
+    nominal_mm = None if answer.judging is None else answer.judging.nominal.mean_mm
+    return dataclasses.replace(of_campaign(campaign, answer.model), nominal_mm=nominal_mm)
 
 
 def _for_ballbar(asked: _PlanRequest, discrepancy_mm: float | None) -> _RobotPlan:
@@ -317,9 +340,9 @@ def _write_checklist(file: Path, made: _RobotPlan, name: str, language: str) -> 
     from truepose.reports.checklist import ChecklistReport, checklist_of
     from truepose.reports.plans import promise_sentence
 
-    promise = (catalogue(language).spoken(promise_sentence(made.plan)),)
-    listed = checklist_of(made.plan)
-    report = ChecklistReport(made.robot.name, name, listed, made.minutes, promise, language=language)
+    words, listed = catalogue(language), checklist_of(made.plan)
+    promise, outcome = (words.spoken(promise_sentence(made.plan)),), words.spoken(made.outcome)
+    report = ChecklistReport(made.robot.name, name, listed, made.minutes, promise, outcome, language=language)
     report.write(file)
 
 
@@ -331,8 +354,11 @@ def _print(made: _RobotPlan, language: str, *, as_json: bool) -> None:
     if as_json:
         from truepose.exchange.results.plans import plan_document
 
-        print_json(plan_document(made.plan, made.robot.name, made.minutes, sentences).printed())
+        document = plan_document(
+            made.plan, made.robot.name, made.minutes, sentences, made.nominal_mm, made.limit_mm
+        )
+        print_json(document.printed())
         return
     words = catalogue(language)
-    print_lines(map(words.spoken, sentences))
+    print_lines(map(words.spoken, (made.outcome, *sentences)))
     print_tables(on_terminal(curve_table(made.plan, words)))

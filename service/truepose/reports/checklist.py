@@ -158,6 +158,7 @@ class ChecklistReport(Report):
     checklist: Checklist
     minutes: float  # of the whole plan
     sentences: tuple[str, ...] = ()  # what the plan promises
+    outcome: str = ""  # what it begins with; empty: nothing was predicted of it
 
     def described(self, words: Catalogue) -> Description:
         """Return what to prepare, the orders of connections, and every stop."""
@@ -166,6 +167,7 @@ class ChecklistReport(Report):
         letters = {legs: _letter(number) for number, legs in enumerate(orders)}
         filled_in = {
             "report": self,
+            "outcome": self.outcome,
             "checklist": checklist,
             "orders": [_order(letters[legs], legs, checklist.base_cups) for legs in orders],
             "rows": list(_rows(self, letters, words.spoken)),

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from truepose.exchange.results.document import Document, Quantities, Quantity, Spoken
 from truepose.messages.message import Text
+from truepose.planning.prediction.outcome import plan_outcome
 from truepose.planning.prediction.plan import Assumptions, BallbarPoses, PromisedPlan
 
 
@@ -58,6 +59,10 @@ class PlacementDocument(Document):
 class PlanDocument(Document):
     """Planned configurations and their predicted accuracy."""
 
+    outcome: Spoken = Field(
+        description="Summary: mean error before (nominal) and predicted after, limit, predicted pass or fail "
+        "or what is missing for it."
+    )
     robot: str
     instrument: Literal["tracker", "ballbar", "closed loop"]
     configurations_deg: list[list[float]]
@@ -88,9 +93,17 @@ class PlanDocument(Document):
     remarks: list[Spoken]
 
 
-def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Sequence[Text]) -> PlanDocument:
-    """Return what `truepose plan --json` prints and the API shows."""
+def plan_document(
+    plan: PromisedPlan,
+    robot: str,
+    minutes: float,
+    remarks: Sequence[Text],
+    nominal_mm: float | None = None,
+    limit_mm: float | None = None,
+) -> PlanDocument:
+    """Return what `truepose plan --json` prints and the API shows; errors as of `plan_outcome`."""
     document = {
+        "outcome": plan_outcome(plan, nominal_mm, limit_mm),
         "robot": robot,
         "instrument": _instrument(plan),
         # The digits that tables have: a plan is the same from either.

@@ -32,11 +32,14 @@ class Subject:
     knowns : PriorKnowledge
     measured : ExistingReadings or None
         What was measured before; None: nothing.
+    nominal_mm : float or None
+        Mean error of the nominal robot on what was measured before; None: nobody knows it.
     """
 
     space: WorkSpace
     knowns: PriorKnowledge
     measured: ExistingReadings | None = None
+    nominal_mm: float | None = None
 
     def reading(self, per_axis_mm: float) -> "Subject":
         """Return the subject with an instrument of this standard uncertainty per axis [mm]."""

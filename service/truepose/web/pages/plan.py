@@ -14,7 +14,7 @@ from truepose.domain.session import SessionPlan
 from truepose.messages.catalogue import Catalogue
 from truepose.storage.documents import to_document
 from truepose.storage.records import SessionRecord
-from truepose.web.api.expected_accuracy import Number, minutes_for
+from truepose.web.api.expected_accuracy import Limit, Number, minutes_for
 from truepose.web.context import Context
 from truepose.web.pages.rendering import Visit, Visited, Whole, pdf_response, render, render_part
 from truepose.web.resources import Id, while_present
@@ -28,26 +28,32 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/plan", response_class=HTMLResponse)
-async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> HTMLResponse:
+async def plan_page(
+    visit: Visited, n: Number = None, limit: Limit = None, whole: Whole = False
+) -> HTMLResponse:
     """Show what n configurations promise in this cell."""
     cell, plans = visit.here.cell, visit.may("plan_session")
 
     async def draw() -> str:
         promised = await visit.here.promise_desk.promise(cell, n)
-        return await asyncio.to_thread(_rendered, promised, visit.words, plans=plans)
+        return await asyncio.to_thread(_rendered, promised, limit, visit.words, plans=plans)
 
     # The button that plans is in the drawn part, so it is kept for each kind of visitor (commit e3ad9c17).
-    told = await render_part(visit, f"plan {n} {plans} {json.dumps(to_document(cell))}", draw, whole=whole)
-    return visit.page("sessions/plan.html", told=told, n=n)
+    of = f"plan {n} {limit} {plans} {json.dumps(to_document(cell))}"
+    told = await render_part(visit, of, draw, whole=whole)
+    return visit.page("sessions/plan.html", told=told, n=n, limit=limit)
 
 
-def _rendered(promised: "Promised", words: Catalogue, *, plans: bool) -> str:
+def _rendered(promised: "Promised", limit_mm: float | None, words: Catalogue, *, plans: bool) -> str:
+    from truepose.planning.prediction.outcome import plan_outcome
     from truepose.reports.figures.curves import promise_curve
     from truepose.reports.plans import curve_table, plan_sentences
 
     plan = promised.plan
     return render(
         "sessions/plan_told.html",
+        outcome=words.spoken(plan_outcome(plan, promised.subject.nominal_mm, limit_mm)),
+        limit=limit_mm,
         n=plan.total,
         sentences=[*map(words.spoken, plan_sentences(plan, minutes_for(promised)))],
         figure=promise_curve(plan, words),
@@ -76,18 +82,18 @@ async def checklist_pdf(visit: Visited, id: Id) -> Response:
 
 
 @router.get("/plan/checklist", response_class=HTMLResponse)
-async def plan_checklist_view(visit: Visited, n: Number = None) -> HTMLResponse:
+async def plan_checklist_view(visit: Visited, n: Number = None, limit: Limit = None) -> HTMLResponse:
     """Show what a plan of n configurations asks for, before there is a session."""
-    asked = await _promised(visit, n)
+    asked = await _promised(visit, n, limit)
     number = len(asked.checklist.stops)
-    to_print = f"/plan/checklist.pdf?n={number}"
+    to_print = f"/plan/checklist.pdf?n={number}" + ("" if limit is None else f"&limit_mm={limit!r}")
     return await _shown(visit, asked, to_print, record=None, planned=number)
 
 
 @router.get("/plan/checklist.pdf")
-async def plan_checklist_pdf(visit: Visited, n: Number = None) -> Response:
+async def plan_checklist_pdf(visit: Visited, n: Number = None, limit: Limit = None) -> Response:
     """Send the same as a PDF."""
-    return await _printed(visit, await _promised(visit, n), "checklist-of-a-plan")
+    return await _printed(visit, await _promised(visit, n, limit), "checklist-of-a-plan")
 
 
 async def _shown(
@@ -109,7 +115,8 @@ async def _printed(visit: Visit, asked: "ChecklistReport", name: str) -> Respons
     return await pdf_response(visit, str(page), f"{name}.pdf")
 
 
-async def _promised(visit: Visit, n: int | None) -> "ChecklistReport":
+async def _promised(visit: Visit, n: int | None, limit_mm: float | None) -> "ChecklistReport":
+    from truepose.planning.prediction.outcome import plan_outcome
     from truepose.reports.checklist import ChecklistReport, checklist_of
     from truepose.reports.traceability import ReportConditions
 
@@ -120,6 +127,7 @@ async def _promised(visit: Visit, n: int | None) -> "ChecklistReport":
         words.say("page.plan"),
         checklist_of(promised.plan, camera=here.cell.camera is not None),
         await asyncio.to_thread(minutes_for, promised),
+        outcome=words.spoken(plan_outcome(promised.plan, promised.subject.nominal_mm, limit_mm)),
         conditions=ReportConditions(simulated=here.simulated),
         language=words.tag,
     )
