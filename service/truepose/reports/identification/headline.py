@@ -46,8 +46,12 @@ def headline(
         return Headline(words.spoken(identification.message or message("headline.none")), good=False)
     converged = identification.status is Status.CONVERGED
     warning = "" if converged else message("headline.not_to_be_used", message=identification.message)
+    aside = identification.set_aside
+    # The warning has said it with the message.
+    left_out = aside.sentence if converged and aside is not None else ""
+    judged_on = _sentence(identification, budget, pair)
     return Headline(
-        sentence=words.spoken(together(warning, _sentence(identification, budget, pair), _grown(pair))),
+        sentence=words.spoken(together(warning, judged_on, _grown(pair), left_out)),
         good=converged and _improves(pair),
         figures=tuple(_figure(words, *figure) for figure in _figures(identification, budget, pair)),
     )

@@ -10,7 +10,7 @@ from truepose.domain.identification import Identification
 from truepose.domain.set_aside import listed
 from truepose.identification.verdict.judge import Assessment
 from truepose.messages.catalogue import Catalogue
-from truepose.messages.message import Text, together
+from truepose.messages.message import Text
 from truepose.reports.captions import figure_captions
 from truepose.reports.cover_page import Front, error_bars, graded
 from truepose.reports.error_tables import error_table, figures_row, turns_table
@@ -102,14 +102,14 @@ def identification_front(
     identification: Identification, robot: str, found: Headline, words: Catalogue
 ) -> Front:
     """Return whether the model may be used, and what it makes of the robot."""
-    pair, aside = identification.judging, identification.set_aside
+    pair = identification.judging
     after = next((one for one in found.figures if one.name == words.say("headline.mean_after")), None)
     return Front(
         title=words.say("identification.title", robot=robot),
         look=graded(found.good),
         word=words.say("front.usable" if found.good else "front.unusable"),
         outcome=words.spoken(outcome_of(identification)),
-        sentence=words.spoken(together(found.sentence, aside.sentence if aside else "")),
+        sentence=found.sentence,
         robot=robot,
         figure=after,
         picture=None if pair is None else error_bars(pair.nominal, pair.identified, words),

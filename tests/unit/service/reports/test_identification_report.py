@@ -6,10 +6,12 @@ import pytest
 
 from tests.helpers.domain.builders import make_identification, make_model, make_statistics
 from tests.helpers.web.pages import HOSTILE, Page, assert_asks_nothing, assert_hostile_text_stays_text
-from truepose.domain.campaign import LegReadings
+from truepose.domain.campaign import LegReadings, ReadingName, ReadingsSetAside
 from truepose.domain.cell import Artefact
 from truepose.domain.identification import NominalAndIdentified, Outlier, PureError
 from truepose.identification import identify, predict
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.messages.message import together
 from truepose.reports.identification.report import DiagnosisLink, IdentificationReport
 from truepose.reports.identification.summary import TrueParameter, Truth
 from truepose.reports.traceability import Instrument, Period, ReportConditions
@@ -164,6 +166,18 @@ def test_an_identification_without_a_model_says_why_and_shows_no_picture(tmp_pat
 
 
 @PAINTED_ELSEWHERE
+@pytest.mark.parametrize("fitted", [True, False])
+def test_what_was_set_aside_is_said_once_on_the_cover_and_once_inside(identification, campaign, fitted):
+    aside = ReadingsSetAside((ReadingName(8, 1),), "it slipped", "Ada Byron", rows=(7,))
+    found = identification if fitted else UNFITTED
+    without = replace(found, message=together(found.message, aside.sentence), set_aside=aside)
+
+    described = IdentificationReport(without, campaign).described(IN_ENGLISH)
+
+    for sentence in (described.front.sentence, described.filled_in["headline"].sentence):
+        assert sentence.count("1 reading set aside by Ada Byron: it slipped.") == 1
+
+
 def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path, identification, campaign):
     spoilt = campaign.calibration.position_mm.copy()
     spoilt[7, 2] += 5.0
