@@ -32,6 +32,8 @@ COMMANDS = [
     "verify shop.sqlite3 --json",
     "identify campaign --language de",
     "diagnose campaign --language fr",
+    "identify campaign --set-aside 17=dérangée --set-aside 5/1=bousculée --person Ada --language fr",
+    "identify campaign --set-aside 170=bumped --person Ada",
 ]
 
 

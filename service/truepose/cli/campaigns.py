@@ -20,7 +20,8 @@ from truepose.cli.files import (
     writing,
 )
 from truepose.cli.models import checked_model, write_found
-from truepose.cli.output import print_json, print_tables, remark
+from truepose.cli.output import print_json, print_lines, print_tables, remark
+from truepose.cli.set_aside import Person, SetAside, SetAsideFile, set_aside_line, without_set_aside
 from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
 from truepose.messages.message import Message, message
@@ -41,6 +42,9 @@ def identify_command(
     ] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the identified model here (JSON).")] = None,
     report: ReportFile = None,
+    set_aside: SetAside = None,
+    set_aside_file: SetAsideFile = None,
+    person: Person = "",
     compare_thesis: Annotated[
         bool,
         typer.Option(
@@ -61,6 +65,7 @@ def identify_command(
     words = catalogue(language)
     measured = read_measured(campaign)
     remark(map(words.spoken, measured.ignored))
+    measured = without_set_aside(measured, set_aside, set_aside_file, person)
     believed = None if fleet is None else _believed(fleet, measured)
     answer = identify(measured, effect_names(effects), believed=believed)
     # Files first: who reads "converged" may rely on the model being there.
@@ -122,6 +127,7 @@ def _show(answer: "Identification", words: Catalogue) -> None:
     from truepose.reports.identification.summary import identification_summary
 
     print_tables(identification_summary(answer, words))
+    print_lines(set_aside_line(answer.set_aside, words))
 
 
 def _write_report(path: Path, campaign: "Campaign", answer: "Identification", words: Catalogue) -> None:

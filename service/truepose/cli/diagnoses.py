@@ -16,6 +16,7 @@ from truepose.cli.files import (
 )
 from truepose.cli.models import write_found
 from truepose.cli.output import print_json, print_lines, print_tables, progress_bar, remark
+from truepose.cli.set_aside import Person, SetAside, SetAsideFile, set_aside_line, without_set_aside
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ def diagnose_command(
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
     report: ReportFile = None,
+    set_aside: SetAside = None,
+    set_aside_file: SetAsideFile = None,
+    person: Person = "",
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -48,6 +52,7 @@ def diagnose_command(
     _check_known(names)
     measured = read_measured(campaign)
     remark(map(words.spoken, measured.ignored))
+    measured = without_set_aside(measured, set_aside, set_aside_file, person)
     answer = _diagnosed(measured, names)
     # Files first: who reads "explained" may rely on the model being there.
     if model_out is not None:
@@ -101,3 +106,4 @@ def _print(answer: "Diagnosis", words: Catalogue, *, as_json: bool) -> None:
     table = errors_on_terminal(answer, words)
     if table is not None:
         print_tables(table)
+    print_lines(set_aside_line(answer.set_aside, words))

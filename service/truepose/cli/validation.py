@@ -19,7 +19,9 @@ from truepose.cli.files import (
 )
 from truepose.cli.models import checked_model
 from truepose.cli.output import print_json, print_tables, remark
+from truepose.domain.errors import ConfigurationError
 from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
+from truepose.messages.message import message
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Readings
@@ -60,6 +62,10 @@ def validate_command(
     instrument: Annotated[str, typer.Option(help="Measuring instrument, for the report.")] = "",
     max_shift_mm: MaxShiftMm = None,
     accept_edited: AcceptEdited = False,
+    # Hidden, since they are always refused: whoever knows them from `identify` is told why.
+    set_aside: Annotated[
+        list[str] | None, typer.Option("--set-aside", "--set-aside-file", hidden=True)
+    ] = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -74,6 +80,8 @@ def validate_command(
 
     require_limit(limit_mm)
     require_folders(report)
+    if set_aside:
+        raise ConfigurationError(message("refused.set_aside_validation"))
     words = catalogue(language)
     checked = checked_model(model, max_shift_mm, words, accept_edited=accept_edited, robot_follows=False)
     identified, readings = checked.model, _readings(checked.model, points, u_mm, words)

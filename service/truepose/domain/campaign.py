@@ -234,16 +234,27 @@ class ReadingsSetAside:
     """Readings without which a person wants a campaign to be analysed, and why."""
 
     readings: tuple[ReadingName, ...]
-    reason: str
+    reason: str  # of all of them; several are joined
     person: str
     rows: tuple[int, ...] = ()  # of their table, ascending; a sensor has one for each of its axes
+    reasons: tuple[str, ...] = ()  # of each reading, in their order; empty: `reason` is that of all
+
+    @property
+    def reason_of_each(self) -> tuple[str, ...]:
+        """Why each of the readings is set aside, in their order."""
+        return self.reasons or (self.reason,) * len(self.readings)
 
     @property
     def sentence(self) -> Message:
         """What whoever reads a result made without them has to know."""
         # On one line, and closed by the catalogue, whose languages have full stops of their own.
-        reason = " ".join(self.reason.split()).rstrip(".。")
-        return message("set_aside", n=len(self.rows), person=self.person, reason=reason)
+        whys = self.reason_of_each or (self.reason,)
+        reasons = tuple(dict.fromkeys(" ".join(one.split()).rstrip(".。") for one in whys))
+        told: Text = reasons[0]
+        if len(reasons) > 1:
+            each = tuple(message("set_aside.reason", reason=reason) for reason in reasons)
+            told = message("set_aside.listed", readings=each)
+        return message("set_aside", n=len(self.rows), person=self.person, reason=told)
 
     def row_in_table(self, row: int) -> int:
         """Return where a reading stands in its table, by its row among those that are left."""

@@ -1,7 +1,9 @@
 """Readings that a person sets aside: which of a campaign they are, and the campaign without them."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -20,6 +22,10 @@ from truepose.messages.message import Message, Text, message
 
 # Of the readings that identify. Beyond it single readings are no accidents: it is the campaign that is wrong.
 MOST_SET_ASIDE: Final = 0.2
+_MOST_LISTED: Final = 6  # readings of one configuration, in a refusal
+# Configuration, what it was read against (base point or target, where there is one) and tool nest; or the
+# configuration alone.
+ReadingNumbers: TypeAlias = tuple[int, ...]
 
 
 def found_in(campaign: Campaign, wanted: ReadingsSetAside) -> ReadingsSetAside:
@@ -44,6 +50,8 @@ def found_in(campaign: Campaign, wanted: ReadingsSetAside) -> ReadingsSetAside:
     readings = campaign.readings
     size = 0 if readings is None else len(readings)
     chosen = np.zeros(size, dtype=bool)
+    # Of a reading named twice the first reason, as of one named once.
+    why = dict(reversed([*zip(wanted.readings, wanted.reason_of_each, strict=True)]))
     names = tuple(dict.fromkeys(wanted.readings))
     for name in names:
         rows = _rows_of(readings, name)
@@ -54,7 +62,95 @@ def found_in(campaign: Campaign, wanted: ReadingsSetAside) -> ReadingsSetAside:
         raise ConfigurationError(
             message("refused.set_aside_many", n=int(chosen.sum()), total=size, most=MOST_SET_ASIDE)
         )
-    return replace(wanted, readings=names, rows=tuple(np.flatnonzero(chosen).tolist()))
+    return replace(
+        wanted,
+        readings=names,
+        rows=tuple(np.flatnonzero(chosen).tolist()),
+        reasons=tuple(why[name] for name in names),
+    )
+
+
+def named_by_numbers(
+    campaign: Campaign, wanted: Sequence[tuple[ReadingNumbers, str]], person: str
+) -> ReadingsSetAside:
+    """Return the readings that somebody names by their numbers, each with its own reason.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    wanted : sequence of (tuple of int, str)
+        Numbers of a reading, and why it is set aside; at least one.
+    person : str
+
+    Returns
+    -------
+    ReadingsSetAside
+        Still without rows.
+
+    Raises
+    ------
+    ConfigurationError
+        Some numbers are those of no reading that identifies, or of several; or two are those of the same.
+    """
+    names = tuple(_named_by(campaign, numbers) for numbers, _ in wanted)
+    twice = next((name for name, count in Counter(names).items() if count > 1), None)
+    if twice is not None:
+        raise ConfigurationError(message("refused.set_aside_twice", reading=named(twice)))
+    reasons = tuple(reason for _, reason in wanted)
+    different = dict.fromkeys(reasons)
+    joined = "; ".join(reason.rstrip(".") for reason in different) if len(different) > 1 else reasons[0]
+    return ReadingsSetAside(names, joined, person, reasons=reasons)
+
+
+def _named_by(campaign: Campaign, numbers: ReadingNumbers) -> ReadingName:
+    fitting = [name for name in _names(campaign.readings) if numbers in {numbers_of(name), (name.config,)}]
+    if len(fitting) == 1:
+        return fitting[0]
+    if fitting:
+        raise ConfigurationError(_ambiguous(fitting))
+    for judging in _judging(campaign):
+        for name in _names(judging):
+            if numbers in {numbers_of(name), (name.config,)}:
+                return name  # and is refused with the reason for that
+    raise ConfigurationError(_unknown(campaign, numbers, _as_typed(numbers)))
+
+
+def _ambiguous(fitting: Sequence[ReadingName]) -> Message:
+    labels = [label(name) for name in fitting]
+    listed_labels = labels if len(labels) <= _MOST_LISTED else [*labels[:_MOST_LISTED], "..."]
+    config, n = fitting[0].config, len(fitting)
+    return message("refused.set_aside_ambiguous", config=config, readings=n, labels=tuple(listed_labels))
+
+
+def _as_typed(numbers: ReadingNumbers) -> Text:
+    if len(numbers) == 1:
+        return message("set_aside.config", config=numbers[0])
+    return "/".join(map(str, numbers))
+
+
+def _names(readings: Readings | None) -> list[ReadingName]:
+    """Return the name of each reading once, in the order of their table."""
+    if readings is None:
+        return []
+    config, nest = readings.stops.config.tolist(), readings.nest.tolist()
+    base_point = target = [None] * len(readings)
+    if isinstance(readings, LegReadings):
+        base_point = readings.base_point.tolist()
+    if isinstance(readings, ContactReadings):
+        target = readings.target.tolist()
+    # Of a sensor all axes are one reading.
+    return list(dict.fromkeys(map(ReadingName, config, nest, base_point, target)))
+
+
+def numbers_of(name: ReadingName) -> ReadingNumbers:
+    """Return the numbers that tell a reading, in the order in which `named` says them."""
+    read_against = name.target if name.base_point is None else name.base_point
+    return (name.config, name.nest) if read_against is None else (name.config, read_against, name.nest)
+
+
+def label(name: ReadingName) -> str:
+    """Return the numbers of a reading as they are typed, such as 17/2."""
+    return "/".join(map(str, numbers_of(name)))
 
 
 def _rows_of(readings: Readings | None, name: ReadingName) -> BoolArray:
@@ -70,11 +166,29 @@ def _rows_of(readings: Readings | None, name: ReadingName) -> BoolArray:
 
 def _refusal(campaign: Campaign, name: ReadingName) -> Message:
     """Say why a reading cannot be set aside that does not identify."""
-    judging = (campaign.validation, campaign.validation_legs, campaign.validation_contacts)
     # Without a reading that judges it, a result would look better and be no better.
-    judges = any(_rows_of(readings, name).any() for readings in judging)
-    key = "refused.set_aside_judging" if judges else "refused.set_aside_unknown"
-    return message(key, reading=named(name))
+    if any(_rows_of(readings, name).any() for readings in _judging(campaign)):
+        return message("refused.set_aside_judging", reading=named(name))
+    return _unknown(campaign, numbers_of(name), named(name))
+
+
+def _judging(campaign: Campaign) -> tuple[Readings | None, ...]:
+    return campaign.validation, campaign.validation_legs, campaign.validation_contacts
+
+
+def _unknown(campaign: Campaign, numbers: ReadingNumbers, reading: Text) -> Message:
+    known = _names(campaign.readings)
+    if not known:
+        return message("refused.set_aside_none", reading=reading)
+    nearest = min(known, key=lambda name: _away(numbers, numbers_of(name)))
+    return message("refused.set_aside_unknown", reading=reading, nearest=named(nearest), label=label(nearest))
+
+
+def _away(numbers: ReadingNumbers, others: ReadingNumbers) -> tuple[int, ...]:
+    """Return how far numbers are from those of a reading: by configuration, then nest, then the rest."""
+    first, *rest = numbers
+    by_nest = [abs(a - b) for a, b in zip(reversed(rest), reversed(others[1:]), strict=False)]
+    return (abs(first - others[0]), *by_nest)
 
 
 def named(reading: ReadingName) -> Message:
@@ -89,8 +203,14 @@ def named(reading: ReadingName) -> Message:
 
 
 def listed(aside: ReadingsSetAside | None) -> Text:
-    """Return each of the readings set aside; empty where none were."""
-    return "" if aside is None else message("set_aside.listed", readings=tuple(map(named, aside.readings)))
+    """Return each of the readings set aside, with its reason where they differ; empty where none were."""
+    if aside is None:
+        return ""
+    readings = tuple(map(named, aside.readings))
+    if len(set(aside.reasons)) > 1:
+        each = zip(readings, aside.reasons, strict=True)
+        readings = tuple(message("set_aside.why", reading=reading, reason=reason) for reading, reason in each)
+    return message("set_aside.listed", readings=readings)
 
 
 def without_readings(campaign: Campaign, aside: ReadingsSetAside) -> Campaign:

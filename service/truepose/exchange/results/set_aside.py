@@ -4,7 +4,7 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-from truepose.exchange.results.document import Document
+from truepose.exchange.results.document import Document, FieldSource
 
 
 class ReadingNameDocument(Document):
@@ -20,8 +20,16 @@ class ReadingsSetAsideDocument(Document):
     """Readings excluded from an analysis, with the reason and the person who excluded them."""
 
     person: str = Field(examples=["Ada Byron"])
-    reason: str = Field(examples=["a cable lay in the beam"])
+    reason: str = Field(
+        description="Reason for all of the readings; different reasons are joined with semicolons.",
+        examples=["a cable lay in the beam"],
+    )
     readings: list[ReadingNameDocument]
+    reasons: Annotated[list[str], FieldSource("reason_of_each")] = Field(
+        default=[],
+        description="Reason for each of the readings, in their order.",
+        examples=[["a cable lay in the beam"]],
+    )
     rows: list[int] = Field(description="Rows of the table, starting at 0.", examples=[[22, 23]])
 
 

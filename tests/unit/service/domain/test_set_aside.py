@@ -13,8 +13,8 @@ from tests.helpers.domain.builders import (
 )
 from truepose.domain.campaign import ReadingName, ReadingsSetAside
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.set_aside import found_in, listed, without_readings
-from truepose.messages.catalogue import english
+from truepose.domain.set_aside import found_in, listed, named_by_numbers, without_readings
+from truepose.messages.catalogue import catalogue, english
 
 # Two tool nests in each of ten configurations.
 TWICE = make_points(20, stops=make_stops(20, config=np.repeat(np.arange(1, 11), 2)), nest=np.tile([1, 2], 10))
@@ -106,3 +106,74 @@ def test_the_arm_came_to_its_next_stop_from_the_one_whose_reading_is_set_aside()
     left = without_readings(campaign, found_in(campaign, wanted(ReadingName(2, 1))))
 
     assert left.calibration.stops.move_rad[1] == pytest.approx(stops.joints_rad[2] - stops.joints_rad[1])
+
+
+LEGS = make_campaign(
+    calibration=None,
+    legs=make_legs(10, base_point=np.arange(10) % 3 + 1, stops=make_stops(10, config=np.repeat([1, 2], 5))),
+)
+
+
+@pytest.mark.parametrize(
+    ("campaign", "numbers", "rows"),
+    [
+        (CAMPAIGN, (9, 2), (17,)),
+        (make_campaign(calibration=make_points(6)), (3,), (2,)),  # its one reading
+        (LEGS, (2, 3, 1), (5, 8)),
+        (make_contact_campaign(contacts=make_contacts(6)), (3, 7, 1), (2,)),
+        (make_contact_campaign(contacts=make_contacts(6)), (3,), (2,)),
+    ],
+)
+def test_a_reading_is_named_by_its_numbers_as_reports_order_them(campaign, numbers, rows):
+    named = named_by_numbers(campaign, [(numbers, "it slipped")], "Ada Byron")
+
+    assert found_in(campaign, named).rows == rows
+
+
+@pytest.mark.parametrize(
+    ("numbers", "why"),
+    [
+        ((9,), r"^Configuration 9 has 2 readings: name one of them, 9/1, 9/2\.$"),
+        ((12,), r"no reading of configuration 12 .* nearest is configuration 10, nest 1 \(10/1\)\.$"),
+        ((7, 4), r"no reading of 7/4 to identify from; the nearest is configuration 7, nest 2 \(7/2\)\.$"),
+        ((7, 1, 2), r"no reading of 7/1/2 to identify from; the nearest is configuration 7, nest 2"),
+    ],
+)
+def test_numbers_of_no_reading_or_of_several_are_refused_with_those_that_are_near(numbers, why):
+    with pytest.raises(ConfigurationError, match=why):
+        named_by_numbers(CAMPAIGN, [(numbers, "it slipped")], "Ada Byron")
+
+
+def test_of_a_configuration_with_many_readings_the_first_are_listed():
+    points = make_points(9, stops=make_stops(9, config=np.ones(9, dtype=int)), nest=np.arange(1, 10))
+
+    with pytest.raises(ConfigurationError, match=r"has 9 readings: .* 1/5, 1/6, \.\.\.\.$"):
+        named_by_numbers(make_campaign(calibration=points), [((1,), "it slipped")], "Ada Byron")
+
+
+def test_a_reading_named_twice_is_refused_however_it_is_named():
+    campaign = make_campaign(calibration=make_points(6))
+
+    with pytest.raises(ConfigurationError, match=r"configuration 3, nest 1 is set aside twice"):
+        named_by_numbers(campaign, [((3,), "it slipped"), ((3, 1), "a cable")], "Ada Byron")
+
+
+def test_each_reading_keeps_its_own_reason():
+    wanted = [((9, 1), "it slipped."), ((4, 2), "a cable"), ((2, 2), "a cable")]
+
+    found = found_in(CAMPAIGN, named_by_numbers(CAMPAIGN, wanted, "Ada Byron"))
+
+    assert english(found.sentence) == "3 readings set aside by Ada Byron: it slipped; a cable."
+    assert catalogue("fr").spoken(found.sentence).endswith("\u00a0: it slipped\u00a0; a cable.")
+    assert found.reason_of_each == ("it slipped.", "a cable", "a cable")
+    assert english(listed(found)) == (
+        "configuration 9, nest 1 (it slipped.); configuration 4, nest 2 (a cable); "
+        "configuration 2, nest 2 (a cable)"
+    )
+
+
+def test_one_reason_is_that_of_each_reading_also_of_results_from_before_there_were_several():
+    found = found_in(CAMPAIGN, wanted(ReadingName(9, 1), ReadingName(4, 2)))
+
+    assert found.reason_of_each == ("a cable lay in the beam",) * 2
+    assert wanted(ReadingName(9, 1)).reason_of_each == ("a cable lay in the beam",)
