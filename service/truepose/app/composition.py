@@ -64,6 +64,7 @@ from truepose.storage.results.jobs import JobRepository
 from truepose.storage.results.lineage import Lineages, WorkList
 from truepose.storage.results.models import ResultRepository
 from truepose.storage.results.reports import ReportRepository
+from truepose.storage.results.set_aside import SetAsideRepository
 from truepose.web.application import create_application
 from truepose.web.asgi import Application
 from truepose.web.context import Context, Endpoint
@@ -249,6 +250,11 @@ def _clock(
     return cast(FullClock, drivers.open(name, options, use="clock"))
 
 
+def _by_ballbar(session_desk: SessionService, perform: Perform) -> BallbarSessions:
+    work = BallbarWork(perform)
+    return BallbarSessions(session_desk, work.precalibrator, work.choose)
+
+
 def _context(
     cell: Cell,
     present: CurrentCell,
@@ -266,8 +272,7 @@ def _context(
     additions, drafts = AddedStopsRepository(database), DraftFolder.beside(database.file)
     job_desk = JobService(jobs, campaigns, results, diagnoses, corrections, perform)
     session_desk = SessionService(sessions, LedgerRepository(database), rack, present)
-    contact_sessions, work = ContactSessions(session_desk), BallbarWork(perform)
-    ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
+    contact_sessions, ballbar_sessions = ContactSessions(session_desk), _by_ballbar(session_desk, perform)
     made_of = (ballbar_sessions.campaign, contact_sessions.campaign)
     campaign_desk = CampaignService(campaigns, sessions, readings, *made_of, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
@@ -283,6 +288,7 @@ def _context(
         jobs=jobs,
         results=results,
         diagnoses=diagnoses,
+        set_aside=SetAsideRepository(database),
         corrections=corrections,
         closings=closings,
         series=SeriesRepository(database),

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from truepose.storage.results.lineage import Lineages, WorkList
     from truepose.storage.results.models import ResultRepository
     from truepose.storage.results.reports import ReportRepository
+    from truepose.storage.results.set_aside import SetAsideRepository
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,7 @@ class Context:
     jobs: JobRepository
     results: ResultRepository
     diagnoses: DiagnosisRepository
+    set_aside: SetAsideRepository
     corrections: CorrectionRepository
     closings: ClosingRepository
     series: SeriesRepository

@@ -15,7 +15,12 @@ from truepose.exchange.results.diagnosis import DiagnosisDocument
 from truepose.exchange.results.document import FieldSource, Quantity, Spoken, null_if_empty
 from truepose.messages.catalogue import IN_ENGLISH
 from truepose.storage.records import DiagnosisRecord, RequestKey
-from truepose.web.api.identifications import EffectNames, SetAside
+from truepose.web.api.identifications import (
+    EffectNames,
+    KeepSetAside,
+    SetAside,
+    readings_to_set_aside,
+)
 from truepose.web.api.jobs import JobReply, queued_job
 from truepose.web.context import Here
 from truepose.web.resources import ACT, CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
@@ -59,6 +64,7 @@ class DiagnosisRequest(Request):
         "the campaign, or the time of the session's last reading; otherwise unknown.",
     )
     set_aside: SetAside = None
+    keep_set_aside: KeepSetAside = False
 
 
 class SessionDiagnosisRequest(Request):
@@ -72,6 +78,11 @@ class SessionDiagnosisRequest(Request):
         examples=[2],
     )
     effects: StartEffects = None
+    keep_set_aside: bool = Field(
+        True,
+        description="Exclude the readings that the session's latest identification or diagnosis excluded, "
+        "by the same person for the same reason; false to use all readings.",
+    )
 
 
 class StoredDiagnosis(Reply):
@@ -264,7 +275,9 @@ async def diagnose_campaign(
 ) -> JobReply:
     """Diagnose a campaign in a worker process; the result of the job is the diagnosis."""
     effects = _named(wanted.effects)
-    aside = None if wanted.set_aside is None else wanted.set_aside.wanted
+    aside = await readings_to_set_aside(
+        here, wanted.campaign_id, wanted.set_aside, keep=wanted.keep_set_aside
+    )
     number = await here.job_desk.diagnose(
         wanted.campaign_id, effects, wanted.measured_on, key, sender, set_aside=aside
     )
@@ -278,6 +291,7 @@ async def diagnose_session(
     """Diagnose the readings of a calibration session so far, whether finished, paused or running.
 
     The readings are stored as a campaign; after further readings, a new request makes a new diagnosis.
+    Readings that were set aside before stay set aside, unless the request says otherwise.
     """
     # Before anything is kept: an effect that nobody knows must not leave a campaign behind.
     effects = _named(wanted.effects)
@@ -285,7 +299,8 @@ async def diagnose_session(
     # A client's key has no blank, so this one belongs to the campaign of the same request and no other.
     campaign_key = None if key is None else RequestKey(f"{key.key} campaign", key.fingerprint)
     campaign_id = await here.campaign_desk.from_sessions(name, id, wanted.validation_session_id, campaign_key)
-    number = await here.job_desk.diagnose(campaign_id, effects, key=key, sender=sender)
+    aside = await here.set_aside.of_session(id) if wanted.keep_set_aside else None
+    number = await here.job_desk.diagnose(campaign_id, effects, key=key, sender=sender, set_aside=aside)
     return await queued_job(here, number, response)
 
 

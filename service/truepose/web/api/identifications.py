@@ -12,7 +12,7 @@ from truepose.exchange.results.identification import IdentificationDocument
 from truepose.exchange.results.validation import ValidationDocument
 from truepose.storage.records import IdentificationRecord
 from truepose.web.api.jobs import JobReply, queued_job
-from truepose.web.context import Here
+from truepose.web.context import Context, Here
 from truepose.web.resources import CHANGE, LIST, READ, Id, OptionalKey, Paged, Sender, resource
 from truepose.web.schemas import (
     NUMBER_LIMIT,
@@ -71,6 +71,14 @@ SetAside = Annotated[
     Field(description="Readings to exclude from the analysis; null to use all readings."),
 ]
 
+KeepSetAside = Annotated[
+    bool,
+    Field(
+        description="Also exclude the readings that the latest identification or diagnosis of the same "
+        "session, or of the same uploaded campaign, excluded; ignored if `set_aside` is given.",
+    ),
+]
+
 
 class IdentificationRequest(Request):
     """A campaign to identify."""
@@ -84,6 +92,7 @@ class IdentificationRequest(Request):
         "the campaign states masses or torques.",
     )
     set_aside: SetAside = None
+    keep_set_aside: KeepSetAside = False
 
 
 class ValidationRequest(Request):
@@ -132,6 +141,15 @@ def identification_reply(record: IdentificationRecord) -> IdentificationReply:
     return IdentificationReply.of(record, document=document)
 
 
+async def readings_to_set_aside(
+    here: Context, campaign_id: int, wanted: SetAsideRequest | None, *, keep: bool
+) -> ReadingsSetAside | None:
+    """Return what a campaign is to be analysed without: what is wanted, else what was set aside before."""
+    if wanted is not None:
+        return wanted.wanted
+    return await here.set_aside.of_campaign(campaign_id) if keep else None
+
+
 router = resource("/identifications", tags=["identifications"])
 
 
@@ -141,7 +159,9 @@ async def identify_campaign(
 ) -> JobReply:
     """Identify a campaign in a worker process; the result of the job is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
-    aside = None if wanted.set_aside is None else wanted.set_aside.wanted
+    aside = await readings_to_set_aside(
+        here, wanted.campaign_id, wanted.set_aside, keep=wanted.keep_set_aside
+    )
     number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender, set_aside=aside)
     return await queued_job(here, number, response)
 

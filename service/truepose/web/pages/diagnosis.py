@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
+from truepose.domain.campaign import ReadingsSetAside
 from truepose.messages.catalogue import IN_ENGLISH, Catalogue
 from truepose.messages.message import together
 from truepose.sessions.engine.states import has_ended
@@ -39,7 +40,13 @@ class Actions:
     session: SessionRecord
     ended: bool
     configurations_deg: tuple[tuple[float, ...], ...]  # of all proposals
-    again: dict[str, object]  # body of the request that repeats this diagnosis on all readings by now
+    again: dict[str, object]  # body of the request that repeats this diagnosis on the readings by now
+    set_aside: ReadingsSetAside | None  # which that diagnosis leaves out as well
+
+    @property
+    def whole(self) -> dict[str, object]:
+        """Body of the request that leaves nothing out."""
+        return {**self.again, "keep_set_aside": False}
 
     @property
     def measures(self) -> bool:
@@ -102,6 +109,7 @@ async def _actions(here: Context, record: DiagnosisRecord) -> Actions | None:
         ended=has_ended(session.state),
         configurations_deg=tuple(joints for entry in proposed for joints in entry.configurations_deg),
         again={"effects": asked.get("effects"), "validation_session_id": validation},
+        set_aside=await here.set_aside.of_session(session.id),
     )
 
 

@@ -15,6 +15,8 @@ from truepose.storage.results.items import FAILED, HELD_OUT, PROOF, TEST, UNDECI
 from truepose.storage.results.lineage import Lineage
 
 _TESTING: Final = ("validation", TEST)  # roles of sessions whose readings judge
+# What a person set aside does not come back by the step that follows.
+_KEPT: Final[Mapping[str, Any]] = {"keep_set_aside": True}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +93,8 @@ def identify_and_diagnose(session_id: int, name: str) -> NextAction:
     """Return what makes an identification and a diagnosis of what a session has measured so far."""
     asks = (
         Ask(f"/api/v1/sessions/{session_id}/campaign", {"name": name}),
-        Ask("/api/v1/identifications", takes="campaign_id"),
-        Ask("/api/v1/diagnoses", takes="campaign_id"),
+        Ask("/api/v1/identifications", _KEPT, takes="campaign_id"),
+        Ask("/api/v1/diagnoses", _KEPT, takes="campaign_id"),
     )
     return NextAction(message("step.identify.why"), "session.diagnose", asks=asks, leads="/diagnoses")
 
@@ -137,7 +139,7 @@ def _of_model(lineage: Lineage) -> NextAction | None:
         return None
     campaign = lineage.newest(WorkKind.CAMPAIGN)
     if diagnosis is None and campaign is not None:
-        asks = (Ask("/api/v1/diagnoses", {"campaign_id": campaign.id}),)
+        asks = (Ask("/api/v1/diagnoses", {"campaign_id": campaign.id, **_KEPT}),)
         return NextAction(message("step.diagnose.why"), "step.diagnose", asks=asks, leads="/diagnoses")
     correct = NextAction(message("step.correct.why"), "step.correct", f"/corrections?model_id={model.id}")
     validation = lineage.newest(WorkKind.VALIDATION)

@@ -1,11 +1,12 @@
-// The two buttons below a diagnosis of a session: measure what it proposes, and diagnose again.
+// The buttons below a diagnosis of a session: measure what it proposes, and diagnose again, without the readings
+// that were set aside or with all of them.
 // What they ask is the API's own; whatever it answers is said in its own sentence. The page brings the words.
 
 import { filled, followed, post as asked } from "./api.js";
 
 const bar = document.querySelector("[data-session]");
 const form = bar.querySelector("form");
-const again = bar.querySelector("[data-again]");
+const agains = bar.querySelectorAll("[data-again]");
 const said = bar.querySelector("output");
 const session = `/api/v1/sessions/${bar.dataset.session}`;
 
@@ -41,7 +42,7 @@ async function measure() {
   say([added.sentence, ...left, added.session.prompt?.message].filter(Boolean).join(" "));
 }
 
-async function diagnose() {
+async function diagnose(again) {
   say(bar.dataset.asked);
   const { diagnosing, unreachable } = bar.dataset;
   const told = ({ fraction, message }) => say(filled(diagnosing, { percent: Math.round(100 * fraction), message }));
@@ -54,4 +55,4 @@ form?.addEventListener("submit", (event) => {
   event.preventDefault();
   busy(measure);
 });
-again.addEventListener("click", () => busy(diagnose));
+for (const again of agains) again.addEventListener("click", () => busy(() => diagnose(again)));

@@ -185,7 +185,7 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
 
 
 async def test_readings_that_were_set_aside_stay_so_when_it_is_run_again(client, until, bench, worker):
-    aside = ReadingsSetAside((ReadingName(1, 1),), "it slipped", "Ada Byron", rows=(0,))
+    aside = ReadingsSetAside((ReadingName(1, 1),), "it slipped", "Ada Byron", (0,), ("it slipped",))
     worker.found = [make_diagnosis(set_aside=aside)]
     path = await diagnosed_so_far(client, until, bench)
 

@@ -97,7 +97,7 @@ def test_each_result_leads_to_the_next(made, action):
 def test_an_identified_model_is_diagnosed_by_one_tap():
     step = action_after(Lineage(_WAY[:4]))
 
-    assert step.asks == (Ask("/api/v1/diagnoses", {"campaign_id": 8}),)
+    assert step.asks == (Ask("/api/v1/diagnoses", {"campaign_id": 8, "keep_set_aside": True}),)
     assert step.leads == "/diagnoses"
 
 
@@ -148,6 +148,7 @@ def test_identify_and_diagnose_makes_both_of_one_campaign():
         ("/api/v1/identifications", "campaign_id"),
         ("/api/v1/diagnoses", "campaign_id"),
     ]
+    assert [ask.body for ask in step.asks[1:]] == [{"keep_set_aside": True}] * 2
 
 
 def test_a_correction_is_proved_with_its_own_model():
