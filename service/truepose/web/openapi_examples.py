@@ -38,6 +38,7 @@ _USUAL: Final = {  # what texts of these names hold, wherever a schema has no ex
     "notes": "Two readings were repeated.",
     "original_sha256": "2c26b46b68ffc68f",
     "parameters": "theta_2",
+    "outcome": "Mean error 0.412 mm before (nominal), 0.0381 mm predicted after 60 configurations.",
     "people": "Ada Byron",
     "person": "Ada Byron",
     "program_version": "0.1.0",

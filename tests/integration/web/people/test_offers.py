@@ -56,8 +56,15 @@ async def test_a_page_offers_what_whoever_looks_may_do(house, planned, address, 
     assert (await offered(house, below, page)) - HALTS == set()
 
 
-def without_a_figure(_, words, *, plans):
-    shown = {"sentences": [], "figure": "", "curve": Table([], []), "numbers": []}
+def without_a_figure(_, limit_mm, words, *, plans):
+    shown = {
+        "outcome": "",
+        "limit": limit_mm,
+        "sentences": [],
+        "figure": "",
+        "curve": Table([], []),
+        "numbers": [],
+    }
     return render("sessions/plan_told.html", n=30, plans=plans, words=words, say=words.say, **shown)
 
 
