@@ -119,8 +119,8 @@ def test_what_no_material_does_is_likely_at_most_and_says_so():
 def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.held_out == "validation"
     assert explained.before.n == explained.after.n == 40
-    assert f"{explained.before.mean_mm:.3f}" in english(explained.message)
-    assert f"{explained.after.mean_mm:.3f}" in english(explained.message)
+    assert f"{explained.before.mean_mm:#.3g}" in english(explained.message)
+    assert f"{explained.after.mean_mm:#.3g}" in english(explained.message)
     # noise of three components, 1.6 of one on average; parameters add a tenth to a sixth
     assert explained.after.mean_mm < 1.9 * NOISE_MM < explained.before.mean_mm
 
