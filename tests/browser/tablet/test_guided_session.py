@@ -114,7 +114,6 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         expect(page.locator("#curve circle")).not_to_have_count(0)
         seen["warm"] = page.evaluate(LOOK)
         expect(page.locator(LETS_MOVE)).to_have_count(0)
-        bench.clock.pace = 40  # the curve was seen; the rounds that are left show nothing new
         on(page, "measure")
         bench.clock.pace = 3
         expect(page.locator("#rows tr.active")).to_have_count(1)
