@@ -7,6 +7,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.bench.guided_bench import GuidedBench, guide, plan, serving, until
+from tests.browser.tablet.bench.operator_hands import hold_long_enough
 from tests.browser.tablet.bench.wire import wire_to
 from tests.browser.tablet.bench.working_bench import PATIENCE_S
 from tests.browser.tablet.conftest import a_tablet
@@ -72,9 +73,7 @@ def held(page, name="Hold: the cell is clear"):
     button = page.get_by_role("button", name=name)
     expect(button).to_be_enabled()
     button.hover()
-    page.mouse.down()
-    page.wait_for_timeout(1600)
-    page.mouse.up()
+    hold_long_enough(page)
 
 
 def started(page, url, id):
