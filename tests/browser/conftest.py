@@ -102,11 +102,16 @@ class Service:
         return f"{self.url}{page}?whole=true"
 
 
+def settings_in(folder, empty_database):
+    """The settings of a service whose cell and database, still without records, lie in a folder."""
+    (folder / "cell.toml").write_text(CELL)
+    database = shutil.copy(empty_database, folder)
+    return Settings(database_url=f"sqlite:///{database}", cell_file=folder / "cell.toml")
+
+
 @pytest.fixture
 def service(tmp_path, empty_database):
-    (tmp_path / "cell.toml").write_text(CELL)
-    database = shutil.copy(empty_database, tmp_path)
-    where = Settings(database_url=f"sqlite:///{database}", cell_file=tmp_path / "cell.toml")
+    where = settings_in(tmp_path, empty_database)
     worker = Diagnostician()
     application = create_app(where, Bench().registry(), worker)
     with listening(application) as url, httpx.Client(base_url=url, timeout=_PATIENCE_S) as client:

@@ -1,18 +1,17 @@
 """Own readings in a browser, by somebody who has never seen the program: from a table to the named cause."""
 
-import shutil
 import time
 from types import SimpleNamespace
 
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.conftest import settings_in
 from tests.helpers.web.performing import perform_here
-from tests.integration.web.bench import CELL, Bench
+from tests.integration.web.bench import Bench
 from tests.integration.web.listening import listening
 from truepose.app import create_app
 from truepose.exchange.import_wizard.files import example_files
-from truepose.settings import Settings
 
 MOST_TAPS = 10
 MOST_S = 180.0
@@ -20,10 +19,7 @@ MOST_S = 180.0
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory, empty_database):
-    folder = tmp_path_factory.mktemp("shop")
-    (folder / "cell.toml").write_text(CELL)
-    database = shutil.copy(empty_database, folder)
-    where = Settings(database_url=f"sqlite:///{database}", cell_file=folder / "cell.toml")
+    where = settings_in(tmp_path_factory.mktemp("shop"), empty_database)
     with listening(create_app(where, Bench().registry(), perform_here)) as url:
         yield SimpleNamespace(url=url)
 

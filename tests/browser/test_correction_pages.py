@@ -1,7 +1,6 @@
 """A program corrected at the tablet, from the form to the file."""
 
 import asyncio
-import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,13 +8,13 @@ from types import SimpleNamespace
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.conftest import settings_in
 from tests.browser.windows import without_complaint
 from tests.helpers.web.performing import perform_here
-from tests.integration.web.bench import CELL, Bench
+from tests.integration.web.bench import Bench
 from tests.integration.web.calibration.stored_models import store_model
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.settings import Settings
 from truepose.storage.database import Database
 from truepose.storage.results.campaigns import CampaignRepository
 from truepose.storage.results.jobs import JobRepository
@@ -36,10 +35,7 @@ async def with_a_model(url):
 @pytest.fixture(scope="module")
 def service(tmp_path_factory, empty_database):
     """A service that has a model, and corrects without processes for it."""
-    folder = tmp_path_factory.mktemp("shop")
-    (folder / "cell.toml").write_text(CELL)
-    database = shutil.copy(empty_database, folder)
-    where = Settings(database_url=f"sqlite:///{database}", cell_file=folder / "cell.toml")
+    where = settings_in(tmp_path_factory.mktemp("shop"), empty_database)
     with ThreadPoolExecutor(1) as apart:  # the browser's own loop runs in this thread
         apart.submit(asyncio.run, with_a_model(where.database_url)).result()
     with listening(create_app(where, Bench().registry(), perform_here)) as url:
