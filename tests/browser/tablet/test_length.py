@@ -59,6 +59,24 @@ def test_each_state_has_a_colour_a_word_and_a_shape_of_its_own(desk, tablet):
     assert len(colours) == len(shapes) == len(STATES)
 
 
+def test_a_needle_on_the_scale_follows_the_length_and_is_gone_without_one(desk, tablet):
+    needle, aim = tablet.locator("#scale .needle"), tablet.locator("#scale .aim")
+    places = []
+    desk.show(step=leg(expected_mm=300.6, nominal_mm=300.0))
+    expect(aim).to_be_visible()
+    for length_mm in (299.5, 300.5):
+        desk.sample = sample("unstable", length_mm)
+        expect(tablet.locator("#length")).to_contain_text(str(length_mm))
+        places.append(needle.bounding_box()["x"])
+    first, second = places
+    assert first < second < aim.bounding_box()["x"]
+
+    in_state(tablet, desk, "no_signal")
+    expect(needle).to_be_hidden()
+    desk.show(step=leg(expected_mm=305.0, nominal_mm=300.0))
+    expect(aim).to_be_hidden()  # beyond the scale
+
+
 def test_nothing_is_offered_to_be_stored_where_there_is_no_length(desk, tablet):
     store = tablet.locator("#actions button")
     in_state(tablet, desk, "in_range")

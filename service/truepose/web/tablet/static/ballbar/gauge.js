@@ -37,6 +37,13 @@ function ticks() {
   return marks.join("");
 }
 
+// Moves a mark to a deviation; null hides it.
+function place(mark, deviation_mm) {
+  const at = deviation_mm === null ? null : `translate(${onScale(deviation_mm)} 0)`;
+  mark.toggleAttribute("hidden", at === null);
+  if (at !== null && mark.getAttribute("transform") !== at) mark.setAttribute("transform", at);
+}
+
 // A leg may be out of reach, and so may a base that the robot's own errors placed; a tool triangle may not.
 function outOf(step) {
   if (step?.kind === "connect_leg") return OUT.pose;
@@ -54,6 +61,7 @@ export class Gauge {
   #nodes;
   #texts;
   #state = null;
+  #marks = null; // of the scale, what moves on it
   #still = { step: null, since_ms: null }; // since when the length of this step could have been stored
 
   constructor(nodes, texts) {
@@ -121,22 +129,26 @@ export class Gauge {
     return ready && performance.now() - this.#still.since_ms > OVERDUE_MS;
   }
 
+  // The scale stays, and only what has moved is painted again: samples arrive many times a second.
   #drawScale(sample, step) {
+    this.#marks ??= this.#drawnScale();
+    const aim_mm = (step?.expected_mm ?? NaN) - (step?.nominal_mm ?? NaN);
+    place(this.#marks.aim, Math.abs(aim_mm) < SHOWN_MM ? aim_mm : null);
+    place(this.#marks.needle, deviationOf(sample, step));
+  }
+
+  #drawnScale() {
     const [low, high] = [onScale(-RANGE_MM), onScale(RANGE_MM)];
     const { top, height, width } = SCALE;
-    const marks = [
+    const aim = drawn("path", { class: "aim", d: `M0 ${top - 2}l-8-12h16Z` });
+    const needle = drawn("rect", { class: "needle", x: -4, y: top - 4, width: 8, height: height + 8, rx: 3 });
+    this.#nodes.scale.replaceChildren(
       drawn("rect", { class: "beyond", x: 0, y: top, width, height }),
       drawn("rect", { class: "within", x: low, y: top, width: high - low, height }),
       drawn("path", { class: "ticks", d: ticks() }),
-    ];
-    const aim_mm = (step?.expected_mm ?? NaN) - (step?.nominal_mm ?? NaN);
-    if (Math.abs(aim_mm) < SHOWN_MM) {
-      const x = onScale(aim_mm);
-      marks.push(drawn("path", { class: "aim", d: `M${x} ${top - 2}l-8-12h16Z` }));
-    }
-    const deviation_mm = deviationOf(sample, step);
-    if (deviation_mm !== null)
-      marks.push(drawn("rect", { class: "needle", x: onScale(deviation_mm) - 4, y: top - 4, width: 8, height: height + 8, rx: 3 }));
-    this.#nodes.scale.replaceChildren(...marks);
+      aim,
+      needle,
+    );
+    return { aim, needle };
   }
 }
